@@ -1,0 +1,15 @@
+#pragma once
+
+#include <stdexcept>
+
+namespace pleat {
+
+// The user's input is at fault. The message says where, what, and what would do:
+//   tee_walk.yaml:14: fabric.thickness_m = -1; expected > 0
+// The program prints it and exits with code 2.
+class InputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace pleat

@@ -1,0 +1,32 @@
+// What produced a file: kept as attributes in every output.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+namespace pleat {
+
+class Hdf5File;
+
+struct Provenance {
+  std::string stage;                          // "simulate", "encode", ...
+  std::string config;                         // effective configuration, YAML
+  uint64_t seed = 0;
+  std::map<std::string, std::string> inputs;  // role or path -> sha256 of the content
+};
+
+void write_provenance(Hdf5File& file, const Provenance& provenance);  // attributes of "/"
+Provenance read_provenance(const Hdf5File& file);
+std::string provenance_json(const Provenance& provenance);
+
+std::string version();       // "0.1.0"
+std::string commit();        // git commit this was built from, "unknown" without git
+std::string machine();       // processor model, cores, compiler
+std::string sha256(const std::string& bytes);            // hex
+std::string sha256_of_file(const std::string& path);     // hex; InputError where it cannot be read
+
+// Writes `text` under a temporary name in the same folder, then fsync, rename, fsync of the folder.
+void write_file_atomically(const std::string& path, const std::string& text);
+
+}  // namespace pleat
