@@ -1,0 +1,70 @@
+// Vertex offsets <-> offset texture (paper, sections 3 and 5.1).
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "encode/uv_layout.h"
+
+namespace pleat::encode {
+
+// Offsets from the template in the T-pose, m. Float, as learners take it; channels first.
+struct Texture {
+  int size = 0;               // R
+  std::vector<float> values;  // [3, R, R], row 0 is the top (v = 1)
+};
+
+// Bilinear reads at fixed places: up to four texels each, with weights that sum to 1.
+struct TexelReads {
+  Eigen::Matrix<int, Eigen::Dynamic, 4, Eigen::RowMajor> texels;      // #reads x 4
+  Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> weights;  // #reads x 4
+};
+// Empty texels get weight 0 and the others share theirs. InputError where a place touches no filled
+// texel.
+TexelReads bilinear_reads(const Eigen::Ref<const Points2>& uv, int size,
+                          const std::vector<uint8_t>& mask);
+
+Points3 read_texture(const Texture& texture, const TexelReads& reads);  // #reads x 3, m
+
+// One value a sewn vertex: the mean over its panel vertices, so that both sides of a seam agree.
+Points3 sew(const garment::GarmentTopology& topology,
+            const Eigen::Ref<const Points3>& panel_values);
+
+// Texture -> offsets of the sewn vertices, m. reads: at topology.uv.
+Points3 decode_texture(const Texture& texture, const garment::GarmentTopology& topology,
+                       const TexelReads& reads);
+
+enum class Fill {
+  kBarycentric,  // each texel interpolates the face under it (the paper)
+  kFitted        // corrected so that bilinear reads at the panel vertices return the offsets
+};
+Fill parse_fill(const std::string& name);  // "barycentric" or "fitted"
+
+// Offsets of the sewn vertices -> texture. Keeps the factorisation that Fill::kFitted needs, one a
+// layout.
+class TextureEncoder {
+ public:
+  TextureEncoder(const garment::GarmentTopology& topology, UvLayout layout, Fill fill);
+  ~TextureEncoder();
+  TextureEncoder(TextureEncoder&&) noexcept;
+
+  const UvLayout& layout() const { return layout_; }
+  const TexelReads& reads() const { return reads_; }  // at the panel vertices
+  Texture encode(const Eigen::Ref<const Points3>& offsets) const;
+
+ private:
+  struct Fit;
+  void factorise();
+
+  UvLayout layout_;
+  TexelReads reads_;
+  Faces texel_vertices_;         // #filled x 3, sewn vertices that a filled texel interpolates
+  Points3 texel_weights_;        // #filled x 3
+  std::vector<int> texels_;      // #filled, texel of each
+  Eigen::VectorXi sewn_vertex_;  // panel vertex -> sewn vertex
+  int vertex_count_ = 0;
+  std::unique_ptr<Fit> fit_;  // null with Fill::kBarycentric
+};
+
+}  // namespace pleat::encode
