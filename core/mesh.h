@@ -19,29 +19,33 @@ struct TriangleMesh {
 struct Edge {
   std::array<int, 2> vertices;  // ascending
   std::array<int, 2> faces;     // second is -1 on the boundary
-  std::array<int, 2> opposite;  // vertex of each face that is not on the edge; second is -1 on the boundary
+  std::array<int, 2>
+      opposite;  // vertex of each face that is not on the edge; second is -1 on the boundary
 };
 
 // Sorted by vertices. Throws InputError where an edge has more than two faces.
 std::vector<Edge> edges(const Faces& faces);
 
-// Row of each vertex sums face normals weighted by corner angle, then unit length. Zero for an unused vertex.
+// Row of each vertex sums face normals weighted by corner angle, then unit length. Zero for an
+// unused vertex.
 Points3 vertex_normals(const Eigen::Ref<const Points3>& vertices, const Faces& faces);
 Points3 face_normals(const Eigen::Ref<const Points3>& vertices, const Faces& faces);  // unit length
 Eigen::VectorXd face_areas(const Eigen::Ref<const Points3>& vertices, const Faces& faces);
 
-// What a closed, consistently oriented surface must satisfy.
+// What a closed, consistently oriented surface must satisfy. Vertices that no face uses do not
+// count.
 struct Topology {
   int boundary_edges = 0;
   int nonmanifold_edges = 0;  // more than two faces
   int misoriented_edges = 0;  // both faces run along it the same way
-  int components = 0;
+  int components = 0;         // of faces joined through shared vertices
   int euler_characteristic = 0;
   bool is_watertight() const { return !boundary_edges && !nonmanifold_edges && !misoriented_edges; }
 };
 Topology topology(const Faces& faces, int vertex_count);
 
-// Each triangle into four, positions and UVs at the edges' middles. Old vertices keep their indices.
+// Each triangle into four, positions and UVs at the edges' middles. Old vertices keep their
+// indices.
 TriangleMesh subdivide(const TriangleMesh& mesh);
 
 }  // namespace pleat

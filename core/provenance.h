@@ -5,6 +5,8 @@
 #include <map>
 #include <string>
 
+#include "core/atomic_file.h"  // write_file_atomically
+
 namespace pleat {
 
 class Hdf5File;
@@ -25,8 +27,5 @@ std::string commit();        // git commit this was built from, "unknown" withou
 std::string machine();       // processor model, cores, compiler
 std::string sha256(const std::string& bytes);            // hex
 std::string sha256_of_file(const std::string& path);     // hex; InputError where it cannot be read
-
-// Writes `text` under a temporary name in the same folder, then fsync, rename, fsync of the folder.
-void write_file_atomically(const std::string& path, const std::string& text);
 
 }  // namespace pleat
