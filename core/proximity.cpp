@@ -1,0 +1,278 @@
+#include "core/proximity.h"
+
+// clang-format off: the model below uses fit() from the first header without including it
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/math/bv/utility.h>
+// clang-format on
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/exact_predicates.h"
+
+namespace pleat {
+namespace {
+
+using Box = fcl::AABB<double>;
+using Node = fcl::BVNode<Box>;
+using Tree = fcl::BVHModel<Box>;
+using Pairs = std::vector<std::array<int, 2>>;
+
+std::vector<Vec<3>> point_list(const Eigen::Ref<const Points3>& points) {
+  std::vector<Vec<3>> list(points.rows());
+  for (int v = 0; v < points.rows(); ++v) list[v] = points.row(v);
+  return list;
+}
+
+std::array<Vec<3>, 3> corners(const Points3& vertices, const Faces& faces, int f) {
+  return {vertices.row(faces(f, 0)), vertices.row(faces(f, 1)), vertices.row(faces(f, 2))};
+}
+
+double squared_distance(const Vec<3>& p, const Box& box) {
+  return (box.min_ - p).cwiseMax(p - box.max_).cwiseMax(0).squaredNorm();
+}
+
+// Branch and bound: the nearer child first, and none that lies beyond the best face so far.
+struct ClosestSearch {
+  const Tree& tree;
+  const Points3& vertices;
+  const Faces& faces;
+  const char* is_allowed;  // null: all are
+  const Vec<3> query;
+  ClosestPoint best;
+
+  void descend(const Node& node) {
+    if (node.isLeaf()) {
+      visit(node.primitiveId());
+      return;
+    }
+    const Node* near = &tree.getBV(node.leftChild());
+    const Node* far = &tree.getBV(node.rightChild());
+    double near_distance = squared_distance(query, near->bv);
+    double far_distance = squared_distance(query, far->bv);
+    if (far_distance < near_distance) {
+      std::swap(near, far);
+      std::swap(near_distance, far_distance);
+    }
+    if (near_distance <= best.squared_distance) descend(*near);
+    if (far_distance <= best.squared_distance) descend(*far);
+  }
+
+  // Among equally near faces the lowest index wins, whatever the shape of the tree.
+  void visit(int face) {
+    if (is_allowed != nullptr && !is_allowed[face]) return;
+    const auto [a, b, c] = corners(vertices, faces, face);
+    const Vec<3> barycentric = closest_on_triangle(query, a, b, c);
+    const Vec<3> point = barycentric[0] * a + barycentric[1] * b + barycentric[2] * c;
+    const double distance = (point - query).squaredNorm();
+    if (distance < best.squared_distance ||
+        (distance == best.squared_distance &&
+         static_cast<unsigned>(face) < static_cast<unsigned>(best.face))) {
+      best = {face, barycentric, point, distance};
+    }
+  }
+};
+
+// Leaves of two trees (or of two parts of one) whose boxes overlap.
+void overlapping_leaves(const Tree& a, const Node& a_node, const Tree& b, const Node& b_node,
+                        Pairs& pairs) {
+  if (!a_node.bv.overlap(b_node.bv)) return;
+  if (a_node.isLeaf() && b_node.isLeaf()) {
+    pairs.push_back({a_node.primitiveId(), b_node.primitiveId()});
+  } else if (b_node.isLeaf() || (!a_node.isLeaf() && a_node.bv.size() > b_node.bv.size())) {
+    overlapping_leaves(a, a.getBV(a_node.leftChild()), b, b_node, pairs);
+    overlapping_leaves(a, a.getBV(a_node.rightChild()), b, b_node, pairs);
+  } else {
+    overlapping_leaves(a, a_node, b, b.getBV(b_node.leftChild()), pairs);
+    overlapping_leaves(a, a_node, b, b.getBV(b_node.rightChild()), pairs);
+  }
+}
+
+void overlapping_leaves(const Tree& tree, const Node& node, Pairs& pairs) {
+  if (node.isLeaf()) return;
+  const Node& left = tree.getBV(node.leftChild());
+  const Node& right = tree.getBV(node.rightChild());
+  overlapping_leaves(tree, left, pairs);
+  overlapping_leaves(tree, right, pairs);
+  overlapping_leaves(tree, left, tree, right, pairs);
+}
+
+bool has_shared_vertex(const Faces& faces, int f, int g) {
+  for (int k = 0; k < 3; ++k) {
+    if ((faces.row(g).array() == faces(f, k)).any()) return true;
+  }
+  return false;
+}
+
+Vec<3> closest_on_edges(const Vec<3>& p, const std::array<Vec<3>, 3>& corners) {
+  Vec<3> best = Vec<3>::Zero();
+  double best_distance = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const int next = (k + 1) % 3;
+    const Vec<3> edge = corners[next] - corners[k];
+    const double length = edge.squaredNorm();
+    const double t = length > 0 ? std::clamp((p - corners[k]).dot(edge) / length, 0.0, 1.0) : 0.0;
+    const double distance = (corners[k] + t * edge - p).squaredNorm();
+    if (distance < best_distance) {
+      best_distance = distance;
+      best.setZero();
+      best[k] = 1 - t;
+      best[next] = t;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+struct SurfaceTree::Impl {
+  Points3 vertices;
+  Faces faces;
+  Tree tree;
+};
+
+SurfaceTree::SurfaceTree(const Eigen::Ref<const Points3>& vertices, const Faces& faces)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->vertices = vertices;
+  impl_->faces = faces;
+  if (faces.rows() == 0) return;
+  std::vector<fcl::Triangle> triangles;
+  for (int f = 0; f < faces.rows(); ++f) {
+    triangles.emplace_back(faces(f, 0), faces(f, 1), faces(f, 2));
+  }
+  impl_->tree.beginModel(static_cast<int>(faces.rows()), static_cast<int>(vertices.rows()));
+  impl_->tree.addSubModel(point_list(vertices), triangles);
+  impl_->tree.endModel();
+}
+
+SurfaceTree::~SurfaceTree() = default;
+SurfaceTree::SurfaceTree(SurfaceTree&&) noexcept = default;
+
+// beginReplaceModel keeps the tree; beginUpdateModel would sweep the boxes from pose to pose.
+void SurfaceTree::refit(const Eigen::Ref<const Points3>& vertices) {
+  assert(vertices.rows() == impl_->vertices.rows());
+  impl_->vertices = vertices;
+  if (impl_->faces.rows() == 0) return;
+  impl_->tree.beginReplaceModel();
+  impl_->tree.replaceSubModel(point_list(vertices));
+  impl_->tree.endReplaceModel(/*refit=*/true, /*bottomup=*/true);
+}
+
+ClosestPoint SurfaceTree::closest(const Vec<3>& query, double max_distance) const {
+  return closest(query, max_distance, {});
+}
+
+ClosestPoint SurfaceTree::closest(const Vec<3>& query, double max_distance,
+                                  const std::vector<char>& is_allowed) const {
+  assert(is_allowed.empty() || static_cast<Eigen::Index>(is_allowed.size()) == faces().rows());
+  ClosestSearch search{impl_->tree,  impl_->vertices,
+                       impl_->faces, is_allowed.empty() ? nullptr : is_allowed.data(),
+                       query,        {}};
+  search.best.squared_distance = max_distance * max_distance;
+  if (impl_->faces.rows() > 0) search.descend(impl_->tree.getBV(0));
+  return search.best;
+}
+
+const Points3& SurfaceTree::vertices() const { return impl_->vertices; }
+const Faces& SurfaceTree::faces() const { return impl_->faces; }
+
+std::vector<std::array<int, 2>> intersecting_faces(const SurfaceTree& a, const SurfaceTree& b) {
+  Pairs pairs;
+  if (a.faces().rows() == 0 || b.faces().rows() == 0) return pairs;
+  const Tree &a_tree = a.impl_->tree, &b_tree = b.impl_->tree;
+  overlapping_leaves(a_tree, a_tree.getBV(0), b_tree, b_tree.getBV(0), pairs);
+  const auto is_apart = [&](const std::array<int, 2>& pair) {
+    return !triangles_meet(corners(a.vertices(), a.faces(), pair[0]),
+                           corners(b.vertices(), b.faces(), pair[1]));
+  };
+  pairs.erase(std::remove_if(pairs.begin(), pairs.end(), is_apart), pairs.end());
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+std::vector<std::array<int, 2>> self_intersecting_faces(const SurfaceTree& a) {
+  Pairs pairs;
+  if (a.faces().rows() == 0) return pairs;
+  overlapping_leaves(a.impl_->tree, a.impl_->tree.getBV(0), pairs);
+  const auto is_apart = [&](const std::array<int, 2>& pair) {
+    return has_shared_vertex(a.faces(), pair[0], pair[1]) ||
+           !triangles_meet(corners(a.vertices(), a.faces(), pair[0]),
+                           corners(a.vertices(), a.faces(), pair[1]));
+  };
+  pairs.erase(std::remove_if(pairs.begin(), pairs.end(), is_apart), pairs.end());
+  for (std::array<int, 2>& pair : pairs) std::sort(pair.begin(), pair.end());
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+// By the Voronoi regions of corners, edges and face: Ericson 2005, "Real-Time Collision Detection",
+// section 5.1.5. Coordinates on a corner or an edge are exactly 0 or 1 there.
+Vec<3> closest_on_triangle(const Vec<3>& p, const Vec<3>& a, const Vec<3>& b, const Vec<3>& c) {
+  const Vec<3> ab = b - a, ac = c - a;
+  // Flatter than rounding can tell from a segment: the edges are all there is.
+  if (ab.cross(ac).squaredNorm() <= 1e-24 * ab.squaredNorm() * ac.squaredNorm()) {
+    return closest_on_edges(p, {a, b, c});
+  }
+  const Vec<3> ap = p - a, bp = p - b, cp = p - c;
+  const double ap_ab = ap.dot(ab), ap_ac = ap.dot(ac);
+  if (ap_ab <= 0 && ap_ac <= 0) return {1, 0, 0};
+  const double bp_ab = bp.dot(ab), bp_ac = bp.dot(ac);
+  if (bp_ab >= 0 && bp_ac <= bp_ab) return {0, 1, 0};
+  const double cp_ab = cp.dot(ab), cp_ac = cp.dot(ac);
+  if (cp_ac >= 0 && cp_ab <= cp_ac) return {0, 0, 1};
+
+  const double area_c = ap_ab * bp_ac - bp_ab * ap_ac;  // twice squared areas, opposite each corner
+  if (area_c <= 0 && ap_ab >= 0 && bp_ab <= 0) {
+    const double t = ap_ab / (ap_ab - bp_ab);
+    return {1 - t, t, 0};
+  }
+  const double area_b = cp_ab * ap_ac - ap_ab * cp_ac;
+  if (area_b <= 0 && ap_ac >= 0 && cp_ac <= 0) {
+    const double t = ap_ac / (ap_ac - cp_ac);
+    return {1 - t, 0, t};
+  }
+  const double area_a = bp_ab * cp_ac - cp_ab * bp_ac;
+  const double from_b = bp_ac - bp_ab, from_c = cp_ab - cp_ac;
+  if (area_a <= 0 && from_b >= 0 && from_c >= 0) {
+    const double t = from_b / (from_b + from_c);
+    return {0, 1 - t, t};
+  }
+  const double sum = area_a + area_b + area_c;
+  const double v = area_b / sum, w = area_c / sum;
+  return {1 - v - w, v, w};
+}
+
+// Solid angle of each triangle: van Oosterom and Strackee 1983, "The Solid Angle of a Plane
+// Triangle".
+Eigen::VectorXd winding_numbers(const SurfaceTree& surface,
+                                const Eigen::Ref<const Points3>& queries) {
+  const Points3& vertices = surface.vertices();
+  const Faces& faces = surface.faces();
+  Eigen::VectorXd result(queries.rows());
+#pragma omp parallel
+  {
+    Points3 to_vertex(vertices.rows(), 3);
+    Eigen::VectorXd length(vertices.rows());
+#pragma omp for schedule(static)
+    for (Eigen::Index q = 0; q < queries.rows(); ++q) {
+      to_vertex = vertices.rowwise() - queries.row(q);
+      length = to_vertex.rowwise().norm();
+      double half_angle = 0;
+      for (int f = 0; f < faces.rows(); ++f) {
+        const int i = faces(f, 0), j = faces(f, 1), k = faces(f, 2);
+        const Vec<3> a = to_vertex.row(i), b = to_vertex.row(j), c = to_vertex.row(k);
+        half_angle +=
+            std::atan2(a.dot(b.cross(c)), length[i] * length[j] * length[k] + a.dot(b) * length[k] +
+                                              b.dot(c) * length[i] + c.dot(a) * length[j]);
+      }
+      result[q] = half_angle / (2 * 3.14159265358979323846);
+    }
+  }
+  return result;
+}
+
+}  // namespace pleat
