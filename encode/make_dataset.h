@@ -39,6 +39,7 @@ struct DatasetReport {
   // Over all vertices and frames, of the linear blend that unposing inverts; the share below 0.25
   // is doubtful.
   double smallest_singular_value = 1, ill_conditioned_share = 0;
+  bool is_interrupted = false;  // by the user: no file was written
 };
 std::string summary(const DatasetReport& report);  // a few lines to print
 

@@ -1,0 +1,189 @@
+#include "encode/texture.h"
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace pleat::encode {
+namespace {
+
+// The fit's prior, relative to one read: how much a correction may differ between neighbouring
+// texels, and how large it may be. Small against 1, so that reads are met to about a hundredth of
+// what the barycentric fill misses them by.
+constexpr double kSmoothness = 1e-3;
+constexpr double kDecay = 1e-5;
+
+}  // namespace
+
+TexelReads bilinear_reads(const Eigen::Ref<const Points2>& uv, int size,
+                          const std::vector<uint8_t>& mask) {
+  TexelReads reads;
+  reads.texels.resize(uv.rows(), 4);
+  reads.weights.resize(uv.rows(), 4);
+  for (Eigen::Index i = 0; i < uv.rows(); ++i) {
+    if (!(uv.row(i).minCoeff() >= 0 && uv.row(i).maxCoeff() <= 1)) {
+      throw InputError("UV vertex " + std::to_string(i) + " lies outside of [0,1]^2");
+    }
+    const double x = std::clamp(uv(i, 0) * size - 0.5, 0.0, size - 1.0);
+    const double y = std::clamp((1 - uv(i, 1)) * size - 0.5, 0.0, size - 1.0);
+    const int column = std::min(static_cast<int>(x), size - 2),
+              row = std::min(static_cast<int>(y), size - 2);
+    const double right = x - column, down = y - row;
+    const int corner = row * size + column;
+    reads.texels.row(i) << corner, corner + 1, corner + size, corner + size + 1;
+    reads.weights.row(i) << (1 - right) * (1 - down), right * (1 - down), (1 - right) * down,
+        right * down;
+    for (int k = 0; k < 4; ++k) {
+      if (mask[static_cast<size_t>(reads.texels(i, k))] == kEmpty) reads.weights(i, k) = 0;
+    }
+    const double filled = reads.weights.row(i).sum();
+    if (!(filled > 0)) {
+      throw InputError("UV vertex " + std::to_string(i) + " at (" + std::to_string(uv(i, 0)) +
+                       ", " + std::to_string(uv(i, 1)) +
+                       ") lies outside of every panel of the layout");
+    }
+    reads.weights.row(i) /= filled;
+  }
+  return reads;
+}
+
+Points3 read_texture(const Texture& texture, const TexelReads& reads) {
+  const size_t channel = static_cast<size_t>(texture.size) * static_cast<size_t>(texture.size);
+  assert(texture.values.size() == 3 * channel);
+  Points3 values(reads.texels.rows(), 3);
+  for (int c = 0; c < 3; ++c) {
+    const float* texels = texture.values.data() + static_cast<size_t>(c) * channel;
+    for (Eigen::Index i = 0; i < reads.texels.rows(); ++i) {
+      double sum = 0;
+      for (int k = 0; k < 4; ++k)
+        sum += reads.weights(i, k) * static_cast<double>(texels[reads.texels(i, k)]);
+      values(i, c) = sum;
+    }
+  }
+  return values;
+}
+
+Points3 sew(const garment::GarmentTopology& topology,
+            const Eigen::Ref<const Points3>& panel_values) {
+  Points3 sewn = Points3::Zero(topology.vertex_count, 3);
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(topology.vertex_count);
+  for (Eigen::Index i = 0; i < panel_values.rows(); ++i) {
+    sewn.row(topology.sewn_vertex[i]) += panel_values.row(i);
+    count[topology.sewn_vertex[i]] += 1;
+  }
+  for (int v = 0; v < topology.vertex_count; ++v) sewn.row(v) /= std::max(1.0, count[v]);
+  return sewn;
+}
+
+Points3 decode_texture(const Texture& texture, const garment::GarmentTopology& topology,
+                       const TexelReads& reads) {
+  return sew(topology, read_texture(texture, reads));
+}
+
+Fill parse_fill(const std::string& name) {
+  if (name == "barycentric") return Fill::kBarycentric;
+  if (name == "fitted") return Fill::kFitted;
+  throw InputError("encode.fill = " + name + "; expected barycentric or fitted");
+}
+
+// With B the bilinear reads, t the barycentric fill and d the offsets at the panel vertices, the
+// correction c of the filled texels minimises |B c - (d - B t)|^2 + kSmoothness |grad c|^2 + kDecay
+// |c|^2. Its matrix depends on the layout alone.
+struct TextureEncoder::Fit {
+  Eigen::SparseMatrix<double, Eigen::RowMajor> reads;  // B, #panel vertices x #filled
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor;
+};
+
+TextureEncoder::TextureEncoder(const garment::GarmentTopology& topology, UvLayout layout, Fill fill)
+    : layout_(std::move(layout)),
+      reads_(bilinear_reads(topology.uv, layout_.size, layout_.mask)),
+      sewn_vertex_(topology.sewn_vertex),
+      vertex_count_(topology.vertex_count) {
+  for (int texel = 0; texel < layout_.face.size(); ++texel) {
+    if (layout_.face[texel] >= 0) texels_.push_back(texel);
+  }
+  texel_vertices_.resize(static_cast<Eigen::Index>(texels_.size()), 3);
+  texel_weights_.resize(static_cast<Eigen::Index>(texels_.size()), 3);
+  for (size_t i = 0; i < texels_.size(); ++i) {
+    const Eigen::Index row = static_cast<Eigen::Index>(i);
+    texel_vertices_.row(row) = topology.faces.row(layout_.face[texels_[i]]);
+    texel_weights_.row(row) = layout_.barycentric.row(texels_[i]);
+  }
+  if (fill == Fill::kFitted) factorise();
+}
+
+TextureEncoder::~TextureEncoder() = default;
+TextureEncoder::TextureEncoder(TextureEncoder&&) noexcept = default;
+
+void TextureEncoder::factorise() {
+  const int filled = static_cast<int>(texels_.size());
+  std::vector<int> index(layout_.mask.size(), -1);  // texel -> unknown
+  for (int i = 0; i < filled; ++i) index[static_cast<size_t>(texels_[static_cast<size_t>(i)])] = i;
+
+  using Triplets = std::vector<Eigen::Triplet<double>>;
+  Triplets entries;
+  for (int i = 0; i < reads_.texels.rows(); ++i) {
+    for (int k = 0; k < 4; ++k) {
+      const int unknown = index[static_cast<size_t>(reads_.texels(i, k))];
+      if (unknown >= 0) entries.emplace_back(i, unknown, reads_.weights(i, k));
+    }
+  }
+  fit_ = std::make_unique<Fit>();
+  fit_->reads.resize(reads_.texels.rows(), filled);
+  fit_->reads.setFromTriplets(entries.begin(), entries.end());
+
+  Triplets prior;
+  for (int i = 0; i < filled; ++i) {
+    const int texel = texels_[static_cast<size_t>(i)];
+    const bool has_right = (texel + 1) % layout_.size != 0,
+               has_below = texel + layout_.size < layout_.face.size();
+    prior.emplace_back(i, i, kDecay);
+    for (const int neighbour :
+         {has_right ? texel + 1 : -1, has_below ? texel + layout_.size : -1}) {
+      const int j = neighbour < 0 ? -1 : index[static_cast<size_t>(neighbour)];
+      if (j < 0) continue;
+      prior.emplace_back(i, i, kSmoothness);
+      prior.emplace_back(j, j, kSmoothness);
+      prior.emplace_back(i, j, -kSmoothness);
+      prior.emplace_back(j, i, -kSmoothness);
+    }
+  }
+  Eigen::SparseMatrix<double> matrix(filled, filled);
+  matrix.setFromTriplets(prior.begin(), prior.end());
+  matrix += Eigen::SparseMatrix<double>(fit_->reads.transpose() * fit_->reads);
+  fit_->factor.compute(matrix);
+  assert(fit_->factor.info() == Eigen::Success);  // kDecay makes it positive definite
+}
+
+Texture TextureEncoder::encode(const Eigen::Ref<const Points3>& offsets) const {
+  assert(offsets.rows() == vertex_count_);
+  const Eigen::Index filled = texel_vertices_.rows();
+  Eigen::Matrix<double, Eigen::Dynamic, 3> values(filled, 3);
+  for (Eigen::Index i = 0; i < filled; ++i) {
+    values.row(i) = texel_weights_(i, 0) * offsets.row(texel_vertices_(i, 0)) +
+                    texel_weights_(i, 1) * offsets.row(texel_vertices_(i, 1)) +
+                    texel_weights_(i, 2) * offsets.row(texel_vertices_(i, 2));
+  }
+  if (fit_) {
+    Eigen::Matrix<double, Eigen::Dynamic, 3> missed = -(fit_->reads * values);
+    for (Eigen::Index i = 0; i < missed.rows(); ++i) missed.row(i) += offsets.row(sewn_vertex_[i]);
+    const Eigen::Matrix<double, Eigen::Dynamic, 3> pulled = fit_->reads.transpose() * missed;
+    values += fit_->factor.solve(pulled);
+  }
+  const size_t channel = layout_.mask.size();
+  Texture texture{layout_.size, std::vector<float>(3 * channel, 0.0f)};
+  for (Eigen::Index i = 0; i < filled; ++i) {
+    for (int c = 0; c < 3; ++c) {
+      texture.values[static_cast<size_t>(c) * channel +
+                     static_cast<size_t>(texels_[static_cast<size_t>(i)])] =
+          static_cast<float>(values(i, c));
+    }
+  }
+  return texture;
+}
+
+}  // namespace pleat::encode
