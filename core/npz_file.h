@@ -1,4 +1,5 @@
-// NumPy .npz archives, read lazily, key by key: SMPL-X files hold pickled arrays that must not be touched.
+// NumPy .npz archives, read lazily, key by key: SMPL-X files hold pickled arrays that must not be
+// touched.
 #pragma once
 
 #include <cstdint>
@@ -47,7 +48,8 @@ struct NpzEntry {
   NpyArray array;
   std::string text;
 };
-// Stored deflated, with fixed times, so equal content gives equal bytes. Temporary file, fsync, rename.
+// Stored deflated, with fixed times, so equal content gives equal bytes. Temporary file, fsync,
+// rename.
 void write_npz(const std::string& path, const std::vector<NpzEntry>& entries);
 
 }  // namespace pleat
