@@ -1,10 +1,12 @@
-// A parametric human body in SMPL's form (Loper et al. 2015): template + shape directions, joints regressed
-// from the vertices, linear blend skinning.
+// A parametric human body in SMPL's form (Loper et al. 2015): template + shape directions, joints
+// regressed from the vertices, linear blend skinning.
 //
-// One extension: the template may stand in another pose than the T-pose (`bind_pose`), because a body bound in an
-// A-pose overlaps itself far less with the arms down. With bind_pose = 0 this is SMPL exactly.
+// One extension: the template may stand in another pose than the T-pose (`bind_pose`), because a
+// body bound in an A-pose overlaps itself far less with the arms down. With bind_pose = 0 this is
+// SMPL exactly.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,13 @@
 namespace pleat::body {
 
 constexpr int kJoints = 24;
+constexpr std::array<const char*, kJoints> kJointNames = {
+    "pelvis",     "left_hip",    "right_hip",    "spine1",      "left_knee",     "right_knee",
+    "spine2",     "left_ankle",  "right_ankle",  "spine3",      "left_foot",     "right_foot",
+    "neck",       "left_collar", "right_collar", "head",        "left_shoulder", "right_shoulder",
+    "left_elbow", "right_elbow", "left_wrist",   "right_wrist", "left_hand",     "right_hand"};
+constexpr std::array<int, kJoints> kParents = {-1, 0, 0, 0,  1,  2,  3,  4,  5,  6,  7,  8,
+                                               9,  9, 9, 12, 13, 14, 16, 17, 18, 19, 20, 21};
 
 struct BodyModel {
   std::string name;
@@ -22,8 +31,8 @@ struct BodyModel {
   SkinWeights joint_regressor;            // J x #V, rows sum to 1
   SkinWeights weights;                    // #V x J
   Eigen::VectorXi parents;                // J, parents[0] = -1, parents[j] < j
-  Points3 bind_pose;                      // J x 3, axis-angle, rad: local rotations in which the template stands
-  Faces faces;                            // #F x 3, outward
+  Points3 bind_pose;  // J x 3, axis-angle, rad: local rotations in which the template stands
+  Faces faces;        // #F x 3, outward
 
   int joint_count() const { return static_cast<int>(parents.size()); }
 };
@@ -37,8 +46,8 @@ struct ShapedBody {
 // beta may be shorter than the model's directions; missing ones are 0. Longer is an InputError.
 ShapedBody shape_body(const BodyModel& model, const Eigen::Ref<const Eigen::VectorXd>& beta);
 
-// Throws InputError, naming `source` and the array, where shapes disagree, numbers are not finite, weights do not sum
-// to 1, the tree is not a tree, or the surface is not watertight.
+// Throws InputError, naming `source` and the array, where shapes disagree, numbers are not finite,
+// weights do not sum to 1, the tree is not a tree, or the surface is not watertight.
 void validate(const BodyModel& model, const std::string& source);
 
 }  // namespace pleat::body
