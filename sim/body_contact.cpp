@@ -1,0 +1,70 @@
+#include "sim/body_contact.h"
+
+#include "core/mesh.h"
+
+namespace pleat::sim {
+namespace {
+
+constexpr double kOutsideStep =
+    0.0005;  // m: how far off the surface a vertex is asked whether it lies inside the body
+
+}  // namespace
+
+BodyCollider::BodyCollider(const Eigen::Ref<const Points3>& vertices, const Faces& faces)
+    : tree_(vertices, faces), faces_of_vertex_(vertices.rows()) {
+  for (int f = 0; f < faces.rows(); ++f)
+    for (int c = 0; c < 3; ++c) faces_of_vertex_[faces(f, c)].push_back(f);
+  move_to(vertices);
+}
+
+void BodyCollider::move_to(const Eigen::Ref<const Points3>& vertices) {
+  tree_.refit(vertices);
+  normals_ = vertex_normals(vertices, faces());
+  switch_off_overlaps();
+}
+
+Vec<3> BodyCollider::normal(int face, const Vec<3>& barycentric) const {
+  Vec<3> blend = Vec<3>::Zero();
+  for (int c = 0; c < 3; ++c) blend += barycentric[c] * normals_.row(faces()(face, c)).transpose();
+  return blend.normalized();
+}
+
+Vec<3> BodyCollider::point(int face, const Vec<3>& barycentric) const {
+  Vec<3> blend = Vec<3>::Zero();
+  for (int c = 0; c < 3; ++c)
+    blend += barycentric[c] * vertices().row(faces()(face, c)).transpose();
+  return blend;
+}
+
+// Spreads from the faces that cross one another over the vertices that lie inside the body.
+void BodyCollider::switch_off_overlaps() {
+  is_active_.assign(faces().rows(), 1);
+  std::vector<char> is_asked(vertices().rows(), 0);
+  std::vector<int> front;
+  const auto ask_corners = [&](int face) {
+    is_active_[face] = 0;
+    for (int c = 0; c < 3; ++c) {
+      const int v = faces()(face, c);
+      if (!is_asked[v]) front.push_back(v);
+      is_asked[v] = 1;
+    }
+  };
+  for (const auto& [a, b] : self_intersecting_faces(tree_)) {
+    ask_corners(a);
+    ask_corners(b);
+  }
+  while (!front.empty()) {
+    Points3 queries(front.size(), 3);
+    for (size_t i = 0; i < front.size(); ++i)
+      queries.row(i) = vertices().row(front[i]) + kOutsideStep * normals_.row(front[i]);
+    const Eigen::VectorXd winding = winding_numbers(tree_, queries);
+    std::vector<int> inside;
+    for (size_t i = 0; i < front.size(); ++i)
+      if (winding[i] > 0.5) inside.push_back(front[i]);
+    front.clear();
+    for (int v : inside)
+      for (int face : faces_of_vertex_[v]) ask_corners(face);
+  }
+}
+
+}  // namespace pleat::sim

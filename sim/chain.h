@@ -1,0 +1,42 @@
+// A garment through a motion: dress in the T-pose, ease into shape and first pose, then a static
+// drape every frame.
+#pragma once
+
+#include <functional>
+
+#include "body/motion.h"
+#include "garment/clip.h"
+#include "garment/fabric.h"
+#include "garment/template.h"
+#include "sim/certificate.h"
+#include "sim/drape.h"
+
+namespace pleat::sim {
+
+struct SimulationConfig {  // section `simulation`
+  double step_m =
+      0.01;  // the body is moved on in steps in which it shifts at most this far against the cloth
+  double ease_deg = 6;  // largest joint turn of one easing step from the T-pose to the first frame
+  double ease_residual = 0.05;  // steps on the way need not settle fully
+  int ease_iterations = 30;
+  NewtonConfig solver;
+  ContactConfig contact;
+  AcceptConfig accept;
+};
+void validate(const SimulationConfig& config);
+
+// Sews a design around the mean body in the T-pose and lets it settle: the template of this design.
+// Throws std::runtime_error where it does not.
+garment::Garment settle_garment(const garment::Design& design,
+                                const garment::GarmentTopology& topology,
+                                const body::BodyModel& model, const garment::FabricConfig& fabric,
+                                const SimulationConfig& config);
+
+// on_frame is told each finished frame's certificate and answers whether to go on; a clip that was
+// stopped is shorter.
+garment::Clip simulate(const garment::Garment& garment, const body::BodyModel& model,
+                       const Eigen::VectorXd& shape, const body::Motion& motion,
+                       const garment::FabricConfig& fabric, const SimulationConfig& config,
+                       const std::function<bool(const garment::Certificate&)>& on_frame);
+
+}  // namespace pleat::sim
