@@ -1,0 +1,7 @@
+#pragma once
+
+namespace pleat::show {
+
+extern const char* const kPageStyle;  // CSS
+
+}  // namespace pleat::show
