@@ -38,8 +38,8 @@ void Adam::update(int64_t step, const AdamStep& options) {
   const float root_correction = static_cast<float>(1 / std::sqrt(1 - std::pow(beta2, exponent)));
   const float keep = static_cast<float>(1 - options.learning_rate * options.weight_decay);
   // Early on the average follows the weights closely, or it would remember the first random ones.
-  const float decay = static_cast<float>(
-      std::min(options.average_decay, (1 + exponent) / (10 + exponent)));
+  const float decay =
+      static_cast<float>(std::min(options.average_decay, (1 + exponent) / (10 + exponent)));
   float* value = values.data_ptr<float>();
   float* gradient = gradients.data_ptr<float>();
   float* first = first_moment.data_ptr<float>();

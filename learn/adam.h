@@ -1,5 +1,6 @@
-// AdamW (Loshchilov and Hutter 2019) with a moving average of the weights, in one pass over memory. The network's
-// parameters and gradients are views into two flat arrays, so that the whole state is five arrays of one length.
+// AdamW (Loshchilov and Hutter 2019) with a moving average of the weights, in one pass over memory.
+// The network's parameters and gradients are views into two flat arrays, so that the whole state is
+// five arrays of one length.
 #pragma once
 
 #include <torch/torch.h>

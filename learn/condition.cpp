@@ -23,8 +23,7 @@ Eigen::VectorXf condition_features(const Condition& condition) {
   const Vec<3> down(0, -1, 0);
   features.head<3>() = rotation_matrix(condition.pose.row(0).transpose()).transpose() * down;
   for (int64_t j = 1; j < joints; ++j) {
-    const Mat<3> turn =
-        rotation_matrix(condition.pose.row(j).transpose()) - Mat<3>::Identity();
+    const Mat<3> turn = rotation_matrix(condition.pose.row(j).transpose()) - Mat<3>::Identity();
     features.segment<3>(3 + 6 * (j - 1)) = turn.col(0);
     features.segment<3>(6 + 6 * (j - 1)) = turn.col(1);
   }

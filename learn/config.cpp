@@ -1,7 +1,10 @@
 #include "learn/config.h"
 
-#include <cmath>
+#include <ATen/Parallel.h>
+
+#include <algorithm>
 #include <sstream>
+#include <thread>
 
 #include "core/error.h"
 
@@ -53,9 +56,10 @@ void validate(const UNetConfig& config) {
             config.attention_head_channels,
             "a divisor of the block's channels, " + std::to_string(channels));
   }
-  require(config.block_channels.back() % config.attention_head_channels == 0,
-          section + "attention_head_channels", config.attention_head_channels,
-          "a divisor of the last block's channels, " + std::to_string(config.block_channels.back()));
+  require(
+      config.block_channels.back() % config.attention_head_channels == 0,
+      section + "attention_head_channels", config.attention_head_channels,
+      "a divisor of the last block's channels, " + std::to_string(config.block_channels.back()));
   require_within(section + "layers_per_block", config.layers_per_block, 1, 8);
   require(config.patch == 1 || config.patch == 2 || config.patch == 4 || config.patch == 8,
           section + "patch", config.patch, "1, 2, 4 or 8");
@@ -105,6 +109,11 @@ void validate(const SampleConfig& config) {
   require_within("sample.samples_per_row", config.samples_per_row, 1, 1e6);
   require_within("sample.batch_size", config.batch_size, 1, 65536);
   require_within("sample.threads", config.threads, 0, 4096);
+}
+
+void use_threads(int threads) {
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  at::set_num_threads(threads > 0 ? threads : cores);
 }
 
 }  // namespace pleat::learn

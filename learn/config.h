@@ -7,43 +7,44 @@
 
 namespace pleat::learn {
 
-struct UNetConfig {  // section `train.network`
+struct UNetConfig {                                      // section `train.network`
   std::vector<int> block_channels = {64, 96, 128, 192};  // from the full resolution down by halves
   std::vector<int> attention_blocks = {4};  // numbered from 1: those with self-attention
   int layers_per_block = 2;                 // residual layers, one more on the way up
-  int patch = 2;                  // space to depth: patch x patch texels become channels before the first block
-  int norm_groups = 32;           // of GroupNorm; divides every block's channels
+  int patch = 2;  // space to depth: patch x patch texels become channels before the first block
+  int norm_groups = 32;  // of GroupNorm; divides every block's channels
   int attention_head_channels = 8;
-  int condition_features = 128;   // width of the 2-layer MLP on the condition
-  int input_channels = 3;         // 6 with the previous frame
-  bool position_map = true;       // learned offset a texel behind the first convolution
+  int condition_features = 128;  // width of the 2-layer MLP on the condition
+  int input_channels = 3;        // 6 with the previous frame
+  bool position_map = true;      // learned offset a texel behind the first convolution
 };
 UNetConfig paper_unet();  // section 5.2: 128 128 256 256 512 512, attention in the fifth
 
 struct TrainConfig {  // section `train`
   UNetConfig network;
-  int diffusion_steps = 100;       // T
-  std::string prediction = "x0";   // what the network predicts: x0, v, or epsilon as in the paper
+  int diffusion_steps = 100;      // T
+  std::string prediction = "x0";  // what the network predicts: x0, v, or epsilon as in the paper
   int batch_size = 8;
   int64_t steps = 1000;
-  double max_minutes = 0;          // of training, all runs together; 0: no limit
-  double learning_rate = 1e-3;     // at its peak: rises over warmup_steps, then falls as a cosine to 1/50
+  double max_minutes = 0;  // of training, all runs together; 0: no limit
+  double learning_rate =
+      1e-3;  // at its peak: rises over warmup_steps, then falls as a cosine to 1/50
   int64_t warmup_steps = 50;
   double weight_decay = 1e-4;
   double max_gradient_norm = 1;
-  double average_decay = 0.995;    // of the moving average of the weights that samples are drawn with
-  double checkpoint_minutes = 2;   // between checkpoints
+  double average_decay = 0.995;  // of the moving average of the weights that samples are drawn with
+  double checkpoint_minutes = 2;  // between checkpoints
   int64_t validate_every_steps = 200;
-  int validation_rows = 32;        // spread over the held-out rows
-  double preload_mb = 4096;        // training textures are kept in memory up to this size
-  int threads = 0;                 // 0: all
+  int validation_rows = 32;  // spread over the held-out rows
+  double preload_mb = 4096;  // training textures are kept in memory up to this size
+  int threads = 0;           // 0: all
   uint64_t seed = 1;
 };
 
 struct TrainDesignConfig {  // section `train_design`
   std::vector<int> hidden = {64, 64};
-  int components = 16;      // of the principal basis of the outputs, at most
-  int64_t steps = 3000;     // on all training designs at once
+  int components = 16;   // of the principal basis of the outputs, at most
+  int64_t steps = 3000;  // on all training designs at once
   double learning_rate = 3e-3;
   double weight_decay = 1e-3;
   int threads = 0;
@@ -51,10 +52,11 @@ struct TrainDesignConfig {  // section `train_design`
 };
 
 struct SampleConfig {  // section `sample`
-  std::string sampler = "ddim";  // ddim (deterministic from its first noise) or ddpm (T steps, Ho et al. 2020)
+  std::string sampler =
+      "ddim";  // ddim (deterministic from its first noise) or ddpm (T steps, Ho et al. 2020)
   int ddim_steps = 10;
   int samples_per_row = 1;
-  int batch_size = 8;            // no influence on the samples beyond rounding
+  int batch_size = 8;  // no influence on the samples beyond rounding
   int threads = 0;
   uint64_t seed = 1;
 };
@@ -64,5 +66,9 @@ void validate(const UNetConfig& config);
 void validate(const TrainConfig& config);
 void validate(const TrainDesignConfig& config);
 void validate(const SampleConfig& config);
+
+// Sets the threads that LibTorch computes with, 0: one a core. Results may differ in the last bits
+// between counts.
+void use_threads(int threads);
 
 }  // namespace pleat::learn

@@ -58,8 +58,8 @@ namespace {
 
 Tensor predict_x0(const SamplerProblem& problem, const Tensor& y, int step) {
   const Tensor t = torch::full({y.size(0)}, int64_t{step}, torch::kInt64);
-  const Tensor x0 = x0_from(problem.prediction, problem.network(y, t), y,
-                            noise_level(problem.schedule, t));
+  const Tensor x0 =
+      x0_from(problem.prediction, problem.network(y, t), y, noise_level(problem.schedule, t));
   return x0.clamp(-problem.limit, problem.limit) * problem.mask;
 }
 

@@ -59,8 +59,8 @@ struct AttentionImpl : nn::Module {
                            .reshape({batch, texels, 3, heads, channels / heads})
                            .permute({2, 0, 3, 1, 4});  // [3, B, heads, N, C / heads]
     const double scale = 1 / std::sqrt(static_cast<double>(channels / heads));
-    const Tensor weights =
-        torch::softmax(torch::matmul(qkv[0] * scale, qkv[1].transpose(2, 3)), -1);  // [B, heads, N, N]
+    const Tensor weights = torch::softmax(torch::matmul(qkv[0] * scale, qkv[1].transpose(2, 3)),
+                                          -1);  // [B, heads, N, N]
     Tensor h = torch::matmul(weights, qkv[2]).transpose(1, 2).reshape({batch, texels, channels});
     h = out(h).transpose(1, 2).reshape(x.sizes());
     return x + h;
@@ -71,7 +71,8 @@ struct AttentionImpl : nn::Module {
 };
 TORCH_MODULE(Attention);
 
-// One resolution: residual layers, each with attention behind it where asked for, then the change of resolution.
+// One resolution: residual layers, each with attention behind it where asked for, then the change
+// of resolution.
 struct BlockImpl : nn::Module {
   BlockImpl(const std::vector<int64_t>& inputs, int64_t out, int64_t embedding, bool has_attention,
             const UNetConfig& config) {
@@ -96,8 +97,8 @@ TORCH_MODULE(Block);
 // Sinusoids of t from wavelength 2 pi to 2 pi 10^4, cosines first.
 Tensor time_features(const Tensor& t, int64_t count) {
   const int64_t half = count / 2;
-  const Tensor frequencies =
-      torch::exp(torch::arange(half, torch::kFloat32) * (-std::log(1e4) / static_cast<double>(half)));
+  const Tensor frequencies = torch::exp(torch::arange(half, torch::kFloat32) *
+                                        (-std::log(1e4) / static_cast<double>(half)));
   const Tensor angles = t.to(torch::kFloat32).unsqueeze(1) * frequencies.unsqueeze(0);
   return torch::cat({torch::cos(angles), torch::sin(angles)}, 1);  // [B, count]
 }
@@ -136,12 +137,14 @@ UNetImpl::UNetImpl(const UNetConfig& config, int64_t resolution, int64_t feature
   time_in_ = register_module("time_in", nn::Linear(channels(0), time_count));
   time_out_ = register_module("time_out", nn::Linear(time_count, time_count));
   if (features > 0) {
-    condition_in_ = register_module("condition_in", nn::Linear(features, config.condition_features));
+    condition_in_ =
+        register_module("condition_in", nn::Linear(features, config.condition_features));
     condition_out_ = register_module(
         "condition_out", nn::Linear(config.condition_features, config.condition_features));
     embedding += config.condition_features;
   }
-  conv_in_ = register_module("conv_in", conv3(config.input_channels * texels_per_patch, channels(0)));
+  conv_in_ =
+      register_module("conv_in", conv3(config.input_channels * texels_per_patch, channels(0)));
   if (config.position_map) {
     const int64_t side = resolution / config.patch;
     position_map_ = register_parameter("position_map", torch::zeros({1, channels(0), side, side}));
@@ -185,8 +188,7 @@ UNetImpl::UNetImpl(const UNetConfig& config, int64_t resolution, int64_t feature
 }
 
 Tensor UNetImpl::forward(const Tensor& y, const Tensor& t, const Tensor& c) {
-  Tensor embedding =
-      time_out_(torch::silu(time_in_(time_features(t, config_.block_channels[0]))));
+  Tensor embedding = time_out_(torch::silu(time_in_(time_features(t, config_.block_channels[0]))));
   if (condition_in_) {
     embedding = torch::cat({embedding, condition_out_(torch::silu(condition_in_(c)))}, 1);
   }
@@ -215,7 +217,8 @@ Tensor UNetImpl::forward(const Tensor& y, const Tensor& t, const Tensor& c) {
       h = block.layer(i, torch::cat({h, skips.back()}, 1), embedding);
       skips.pop_back();
     }
-    if (block.resample) h = block.resample(torch::upsample_nearest2d(h, {2 * h.size(2), 2 * h.size(3)}));
+    if (block.resample)
+      h = block.resample(torch::upsample_nearest2d(h, {2 * h.size(2), 2 * h.size(3)}));
   }
   h = conv_out_(torch::silu(norm_out_(h)));
   return from_patches(h, config_.patch);
