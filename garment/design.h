@@ -8,9 +8,9 @@ namespace pleat::garment {
 
 struct Design {
   std::string name;
-  double length = 0.3;    // 0 crop top .. 1 knee-length dress
-  double sleeve = 0.25;   // 0 sleeveless .. 1 wrist
-  double cleavage = 0.2;  // 0 high neck .. 1 deep
+  double length = 0.3;       // 0 crop top .. 1 knee-length dress
+  double sleeve = 0.25;      // 0 sleeveless .. 1 wrist
+  double cleavage = 0.2;     // 0 high neck .. 1 deep
   bool is_held_out = false;  // not trained on
 };
 void validate(const Design& design);  // throws InputError naming the design and the number
