@@ -3,6 +3,7 @@
 #include <zip.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -529,6 +530,7 @@ void write_npz(const std::string& path, const std::vector<NpzEntry>& entries) {
   const auto fail = [&path](const char* reason) {
     throw InputError(path + ": cannot be written: " + reason);
   };
+  assert(!entries.empty());  // libzip makes no archive of nothing
   std::vector<std::string> members;
   for (const NpzEntry& entry : entries) members.push_back(npy_bytes(entry));
 
