@@ -129,6 +129,10 @@ ClipRows add_rows(const garment::Clip& clip, const std::string& file, const Enco
   row.split = static_cast<Split>((is_design_held_out ? kHeldOutDesign : 0) |
                                  (is_sequence_held_out ? kHeldOutSequence : 0));
   row.clip_key = garment::clip_key(file);
+  for (const DatasetRow& other : contents.rows) {
+    if (other.clip_key == row.clip_key)
+      throw InputError(file + ": the clip of key " + row.clip_key + " comes twice");
+  }
   row.shape = Eigen::VectorXd::Zero(shape_count);
   row.shape.head(clip.shape.size()) = clip.shape;
 
