@@ -4,6 +4,7 @@
 #include <assimp/scene.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <filesystem>
@@ -229,6 +230,10 @@ Mat<3> nearest_axes(const Mat<3>& rotation) {
   return best;
 }
 
+// Collar bones sink as the arms come down from the T-pose (scapulohumeral rhythm); the skeletons of
+// BVH files leave that to the shoulder alone, and the wearer would shrug.
+constexpr double kCollarDrop = 8 * M_PI / 180, kCollarDropFrom = 45 * M_PI / 180;
+
 // Far end of the model joint's bone, for those that are aligned with the file's.
 constexpr std::array<int, kJoints> kBoneEnd = {-1, 4,  5,  -1, 7,  8,  -1, 10, 11, -1, -1, -1,
                                                -1, -1, -1, -1, 18, 19, 20, 21, -1, -1, -1, -1};
@@ -298,6 +303,17 @@ Motion read_bvh(const std::string& path, const BodyModel& model, double shoulder
       } else {
         global[j] = global[kParents[j]];
       }
+    }
+    for (int side = 0; side < 2; ++side) {
+      const int collar = 13 + side, arm = 16 + side;
+      const Vec<3> upper_arm =
+          global[9].transpose() * global[arm] * (rest.row(18 + side) - rest.row(arm)).transpose();
+      const double below =
+          -std::asin(std::clamp(upper_arm.normalized().y(), -1.0, 1.0));  // horizontal, rad
+      const double drop = kCollarDrop * std::clamp(below / kCollarDropFrom, 0.0, 1.0);
+      global[collar] = global[collar] * rotation_matrix({0, 0, side == 0 ? -drop : drop});
+    }
+    for (int j = 0; j < kJoints; ++j) {
       const Mat<3> local = j == 0 ? global[0] : Mat<3>(global[kParents[j]].transpose() * global[j]);
       result.rotations.row(j) = axis_angle(local);
     }
