@@ -28,8 +28,7 @@ struct MotionConfig {         // section `motion`
   double duration_s = 0;      // 0: to the end
   double max_joint_step_deg =
       75;  // per 1/30 s, wrists and feet aside: above it a frame is a glitch
-  double shoulder_abduction_deg =
-      0;               // added to both shoulders (BVH only, where arms come out too close)
+  double shoulder_abduction_deg = 8;  // of both upper arms (BVH only: its arms come out too close)
   bool ground = true;  // shift so that the lowest foot vertex of the sequence stands at y = 0
 };
 void validate(const MotionConfig& config);
