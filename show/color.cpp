@@ -6,7 +6,7 @@
 
 namespace pleat::show {
 
-const Color kBodyColor(0.83, 0.79, 0.74);
+const Color kBodyColor(0.88, 0.84, 0.80);
 const Color kSimulatedColor(0.45, 0.58, 0.72);
 const Color kReconstructedColor(0.45, 0.66, 0.61);
 const Color kSampledColor(0.85, 0.58, 0.46);

@@ -21,14 +21,14 @@ namespace {
 // The studio: one broad key light above the camera's left shoulder and a sky, over a floor that
 // reflects some of it. Strengths are such that a white surface facing the key light is just short
 // of full.
-const Vec<3> kKeyDirection = Vec<3>(-0.74, 0.66, 0.42).normalized();  // camera's right, up, back
+const Vec<3> kKeyDirection = Vec<3>(-0.66, 0.72, 0.42).normalized();  // camera's right, up, back
 constexpr double kKeyAngularRadius = 0.16;                            // rad: penumbra
-constexpr double kKeyStrength = 0.95;
+constexpr double kKeyStrength = 1.05;
 constexpr double kSkyZenith = 0.48;
 constexpr double kSkyHorizon = 0.30;
 constexpr double kFloorBounce = 0.20;
 constexpr double kBetweenSurfaces = 0.08;  // light that one surface sends to another, per albedo
-constexpr double kGroundShadow = 0.6;      // how much of a shadow the floor shows
+constexpr double kGroundShadow = 0.5;      // how much of a shadow the floor shows
 constexpr double kRayOffset_m = 1e-4;      // beyond float rounding, below any gap to be seen
 
 // ---- sampling: the pattern is fixed, so a picture depends on nothing but its input
@@ -336,9 +336,8 @@ struct Shading {
     return received.cwiseProduct(surface.albedo + 0.35 * sheen * (Color::Ones() - surface.albedo));
   }
 
-  // The floor shows shadows only: where nothing hides the lights it has the background's colour,
-  // exactly.
-  Color ground_light(const Vec<3>& position, const Color& background) const {
+  // Share of the light on the open floor that something hides from this point of it.
+  double floor_shadow(const Vec<3>& position) const {
     const Vec<3> up(0, 1, 0);
     const Vec<3> origin = position + kRayOffset_m * up;
     double open = 0, hidden = 0;
@@ -352,7 +351,7 @@ struct Shading {
       open += light_here;
       if (scene.is_occluded({origin, direction})) hidden += light_here;
     });
-    return background * (1 - kGroundShadow * hidden / open);
+    return hidden / open;
   }
 };
 
@@ -466,9 +465,13 @@ Image render(const std::vector<RenderMesh>& meshes, const Camera& camera,
   Image image{config.width, config.height,
               std::vector<uint8_t>(size_t(3) * config.width * config.height)};
 
-  const auto pixel_light = [&](int column, int row) {
+  // open_pixels: how many pixels to the left of this one saw no shadow on the floor.
+  const auto pixel_light = [&](int column, int row, int& open_pixels) {
     const PixelSampler sampler{mix_bits(uint32_t(row) * uint32_t(config.width) + uint32_t(column))};
     Color sum = Color::Zero();
+    int floor_samples = 0;
+    bool is_in_shadow = open_pixels < 16;
+    bool is_open = true;
     for (int i = 0; i < config.samples_per_pixel; ++i) {
       const auto [u, v] = sampler.point(kPixel, uint32_t(i));
       const double x = column + (i % side + u) / side, y = row + (i / side + v) / side;
@@ -476,23 +479,31 @@ Image render(const std::vector<RenderMesh>& meshes, const Camera& camera,
                                 (config.height - 2 * y) / config.height);
       const Shading shading{scene, light, config, sampler, uint32_t(i)};
       Surface surface;
-      const double to_ground = (config.ground_height_m - ray.origin[1]) / ray.direction[1];
-      const bool sees_ground = config.has_ground && ray.direction[1] < 0 && to_ground > 0;
       if (scene.intersect(ray, surface)) {
         sum += shading.surface_light(surface, -ray.direction);
-      } else if (sees_ground) {
-        sum += shading.ground_light(ray.origin + to_ground * ray.direction, background);
-      } else {
-        sum += background;
+        continue;
       }
+      // The floor shows shadows only; elsewhere it has the background's colour. Most of it lies in
+      // the open: far from any shadow, a few samples look whether another one begins.
+      double shadow = 0;
+      const double distance = (config.ground_height_m - ray.origin[1]) / ray.direction[1];
+      const bool sees_floor = config.has_ground && ray.direction[1] < 0 && distance > 0;
+      if (sees_floor && (is_in_shadow || floor_samples < 4)) {
+        shadow = shading.floor_shadow(ray.origin + distance * ray.direction);
+        if (shadow > 0) is_in_shadow = true, is_open = false;
+        ++floor_samples;
+      }
+      sum += background * (1 - kGroundShadow * shadow);
     }
+    open_pixels = is_open ? open_pixels + 1 : 0;
     return Color(sum / config.samples_per_pixel);
   };
 
 #pragma omp parallel for schedule(dynamic, 4)
   for (int row = 0; row < config.height; ++row) {
+    int open_pixels = 0;
     for (int column = 0; column < config.width; ++column) {
-      const Color color = srgb_from_linear(pixel_light(column, row));
+      const Color color = srgb_from_linear(pixel_light(column, row, open_pixels));
       uint8_t* pixel = &image.rgb[3 * (size_t(row) * config.width + column)];
       for (int c = 0; c < 3; ++c) pixel[c] = uint8_t(std::lround(255 * color[c]));
     }

@@ -31,7 +31,7 @@ bool is_drawn(double x, double y, bool has_log_y) {
   return std::isfinite(x) && std::isfinite(y) && !(has_log_y && y <= 0);
 }
 
-Axis make_axis(double low, double high, bool is_log) {
+Axis make_axis(double low, double high, bool is_log, int tick_count) {
   Axis axis;
   axis.is_log = is_log;
   if (is_log) low = std::log10(low), high = std::log10(high);
@@ -42,15 +42,18 @@ Axis make_axis(double low, double high, bool is_log) {
   }
   axis.low = low, axis.high = high;
   if (!is_log) {
-    axis.ticks = tick_values(low, high, 5);
-  } else if (high - low >= 2) {  // powers of ten, not more than about six of them
-    const double stride = std::ceil((high - low) / 6);
-    for (double power = std::ceil(low - 1e-9); power <= high + 1e-9; power += stride) {
-      axis.ticks.push_back(std::pow(10, power));
-    }
-  } else {
-    for (const double value : tick_values(std::pow(10, low), std::pow(10, high), 5)) {
-      if (value > 0) axis.ticks.push_back(value);
+    axis.ticks = tick_values(low, high, tick_count);
+    return axis;
+  }
+  // Few decades: 1, 2, 5 times powers of ten. Many: powers alone, at most about tick_count of them.
+  const double stride = std::max(1.0, std::ceil((high - low) / tick_count));
+  for (double power = std::floor(low); power <= high; power += stride) {
+    for (const double factor : {1.0, 2.0, 5.0}) {
+      if (factor > 1 && high - low > 2) continue;
+      const double tick = factor * std::pow(10, power);
+      if (std::log10(tick) >= low - 1e-9 && std::log10(tick) <= high + 1e-9) {
+        axis.ticks.push_back(tick);
+      }
     }
   }
   return axis;
@@ -184,7 +187,8 @@ std::string line_chart_html(const LineChart& chart) {
   out << "<figure class=\"chart\"><svg role=\"img\" viewBox=\"0 0 " << kWidth << ' ' << kHeight
       << "\" aria-label=\"" << escape_html(chart.y_label + " over " + chart.x_label) << "\">";
   if (has_points) {
-    const Plot plot(make_axis(x_low, x_high, false), make_axis(y_low, y_high, chart.has_log_y));
+    const Plot plot(make_axis(x_low, x_high, false, 7),
+                    make_axis(y_low, y_high, chart.has_log_y, 6));
     plot.draw_axes(out, chart);
     for (size_t i = 0; i < chart.series.size(); ++i) {
       plot.draw_series(out, chart.series[i], i, chart.has_log_y);

@@ -42,8 +42,11 @@ void write(std::ostream& out, const Table& table) {
   const auto style = [&](size_t column) {
     return table.columns[column].is_number ? " class=\"number\"" : "";
   };
+  out << "<figure>";
+  if (!table.caption.empty()) {  // outside of what scrolls sideways
+    out << "<figcaption class=\"above\">" << escape_html(table.caption) << "</figcaption>";
+  }
   out << "<div class=\"scroll\"><table>";
-  if (!table.caption.empty()) out << "<caption>" << escape_html(table.caption) << "</caption>";
   out << "<thead><tr>";
   for (size_t c = 0; c < table.columns.size(); ++c) {
     const Column& column = table.columns[c];
@@ -60,7 +63,7 @@ void write(std::ostream& out, const Table& table) {
     }
     out << "</tr>\n";
   }
-  out << "</tbody></table></div>\n";
+  out << "</tbody></table></div></figure>\n";
 }
 
 void write(std::ostream& out, const ColorBar& bar) {

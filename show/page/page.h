@@ -56,7 +56,7 @@ struct PictureGrid {
   std::vector<PictureRow> rows;
   std::optional<ColorBar> color_bar;
   bool is_pixelated = false;      // texels stay square when enlarged
-  double picture_width_rem = 14;  // at most; pictures shrink together on narrow screens
+  double picture_width_rem = 19;  // at most; pictures shrink together on narrow screens
 };
 
 struct Series {

@@ -36,9 +36,9 @@ section { margin: 3rem 0 0; }
 h2 { font-size: 1.4rem; line-height: 1.25; font-weight: 600; margin: 0 0 0.9rem; }
 p { max-width: 42rem; margin: 0 0 1rem; }
 figure { margin: 1.5rem 0; }
-figcaption, caption { font: 0.875rem/1.5 var(--sans); color: var(--soft); text-align: left; max-width: 46rem; }
+figcaption { font: 0.875rem/1.5 var(--sans); color: var(--soft); text-align: left; max-width: 46rem; }
 figcaption { margin-top: 0.6rem; }
-caption { margin-bottom: 0.5rem; }
+figcaption.above { margin: 0 0 0.4rem; }
 
 .headline { display: grid; grid-template-columns: repeat(auto-fit, minmax(8.5rem, 1fr)); gap: 1.25rem;
             margin: 1.5rem 0; padding: 0; }
@@ -53,7 +53,7 @@ caption { margin-bottom: 0.5rem; }
 .facts dt { color: var(--soft); }
 .facts dd { margin: 0; min-width: 0; overflow-wrap: anywhere; }
 
-.scroll { overflow-x: auto; margin: 1.5rem 0; }
+.scroll { overflow-x: auto; }
 table { border-collapse: collapse; font: 0.875rem/1.5 var(--sans); font-variant-numeric: tabular-nums; }
 th, td { padding: 0.35rem 1.4rem 0.35rem 0; text-align: left; vertical-align: top; }
 th:last-child, td:last-child { padding-right: 0; }
