@@ -99,6 +99,26 @@ TEST(UvLayout, NoReadTouchesAnEmptyTexel) {
   }
 }
 
+TEST(UvLayout, NothingBleedsBetweenThePanelsOfTheGarment) {
+  const garment::GarmentTopology topology = garment::make_topology(2500);
+  for (const int size : {64, 128, 256}) {
+    const UvLayout layout = make_uv_layout(topology, size);
+    const std::vector<uint8_t> all_filled(layout.mask.size(), kInside);
+    const TexelReads reads = bilinear_reads(topology.uv, size, all_filled);
+    for (Eigen::Index i = 0; i < reads.texels.rows(); ++i) {
+      for (int k = 0; k < 4; ++k) {
+        if (reads.weights(i, k) == 0) continue;
+        const int face = layout.face[reads.texels(i, k)];
+        ASSERT_GE(face, 0) << "vertex " << i << " reads an empty texel at size " << size;
+        const int corner = topology.panel_faces(face, 0);
+        EXPECT_EQ(topology.panel_of_vertex[static_cast<size_t>(corner)],
+                  topology.panel_of_vertex[static_cast<size_t>(i)])
+            << "vertex " << i << " at size " << size;
+      }
+    }
+  }
+}
+
 TEST(UvLayout, RefusesSizesOutOfRange) {
   EXPECT_THROW(make_uv_layout(make_tube(4, 4).topology, 8), InputError);
   EXPECT_THROW(make_uv_layout(make_tube(4, 4).topology, 5000), InputError);
