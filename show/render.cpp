@@ -27,7 +27,7 @@ constexpr double kKeyStrength = 1.05;
 constexpr double kSkyZenith = 0.48;
 constexpr double kSkyHorizon = 0.30;
 constexpr double kFloorBounce = 0.20;
-constexpr double kBetweenSurfaces = 0.08;  // light that one surface sends to another, per albedo
+constexpr double kBetweenSurfaces = 0.14;  // light that one surface sends to another, per albedo
 constexpr double kGroundShadow = 0.5;      // how much of a shadow the floor shows
 constexpr double kRayOffset_m = 1e-4;      // beyond float rounding, below any gap to be seen
 
