@@ -20,7 +20,9 @@ constexpr double kTubeClearance = 0.020;  // m, of the first tubes to the body
 constexpr double kClearance = 0.014;      // m, that the slipping cloth keeps from the body
 constexpr double kSmallestGap = 0.009;    // m, that every vertex has in the end
 constexpr int kSlips = 20;
-constexpr double kStretch = 1.15;  // of an edge, above which it is let slip
+// Edges beyond these are let slip. Those in between are left: pushed apart to their rest lengths,
+// they would buckle.
+constexpr double kLeastStretch = 0.75, kMostStretch = 1.15;
 constexpr double kInertia = 0.10;  // of a vertex against the springs of its edges
 constexpr double kPi = 3.14159265358979323846;
 
@@ -72,7 +74,7 @@ Wearer wearer_in_t_pose(const body::BodyModel& model, const body::ShapedBody& bo
 struct Cut {
   double underarm_y = 0, armhole_top_x = 0, armhole_top_y = 0;  // of the front
   double neck_x = 0, neck_y = 0;                                // shoulder-neck point of the front
-  double cap_y = 0;                                             // top of the sleeve's cap
+  double cap_y = 0, sleeve_hem_y = 0;                           // highest and lowest of the sleeve
   Profile torso_half_width, sleeve_half_width;                  // along the side seams, by panel y
 };
 
@@ -105,6 +107,7 @@ Cut measure(const GarmentTopology& topology, const Points2& panels) {
   });
   each(Panel::kLeftSleeve, [&](const std::array<int, 4>& use, double x, double y) {
     cut.cap_y = std::max(cut.cap_y, y);
+    cut.sleeve_hem_y = std::min(cut.sleeve_hem_y, y);
     if (use[2] == 2) cut.sleeve_half_width.samples[y] = x;
   });
   return cut;
@@ -131,6 +134,7 @@ class Tubes {
  private:
   struct Arm {
     Profile y, z, radius;  // by distance from the middle of the body
+    double wrist = 0;      // there
   };
 
   void measure_shoulder(const Wearer& wearer) {
@@ -182,8 +186,9 @@ class Tubes {
       arm.y.samples[along] = wearer.joints(j, 1);
       arm.z.samples[along] = wearer.joints(j, 2);
     }
-    const double first = arm.y.samples.begin()->first, last = arm.y.samples.rbegin()->first;
-    for (double x = first + 0.04; x < last; x += kStep) {
+    const double shoulder = arm.y.samples.begin()->first;
+    arm.wrist = arm.y.samples.rbegin()->first;
+    for (double x = shoulder + 0.04; x < arm.wrist; x += kStep) {
       double radius = 0;
       for (Eigen::Index v = 0; v < wearer.vertices.rows(); ++v) {
         const double along = side * (wearer.vertices(v, 0) - center_x_);
@@ -226,7 +231,10 @@ class Tubes {
   Vec<3> place_sleeve(Panel panel, const Vec<2>& p) const {
     const int side = panel == Panel::kLeftSleeve ? 1 : -1;
     const Arm& arm = side > 0 ? left_arm_ : right_arm_;
-    const double along = cut_.armhole_top_x + cut_.cap_y - p.y();
+    // A sleeve that is too long for the arm is pushed up, so that it does not catch on the thumb.
+    const double length = cut_.cap_y - cut_.sleeve_hem_y;
+    const double push = std::min(1.0, (arm.wrist - cut_.armhole_top_x) / length);
+    const double along = cut_.armhole_top_x + push * (cut_.cap_y - p.y());
     const double half_width = cut_.sleeve_half_width.at(p.y());
     const double radius = std::max(half_width / kPi, arm.radius.at(along) + kTubeClearance);
     const double angle = kPi * p.x() * front_side(panel) / half_width;  // from the top to the front
@@ -339,8 +347,8 @@ int push_out(const SurfaceTree& body, double gap, Points3& points) {
   return count;
 }
 
-// Lets edges return to their rest lengths, outside the body (local-global steps, Bouaziz et al.
-// 2014).
+// Brings edges between kLeastStretch and kMostStretch, outside the body (local-global steps,
+// Bouaziz et al. 2014).
 void slip(const SurfaceTree& body, const Springs& springs, Points3& points) {
   const auto system = factor(springs, static_cast<int>(points.rows()), kInertia);
   for (int i = 0; i < kSlips; ++i) {
@@ -350,7 +358,8 @@ void slip(const SurfaceTree& body, const Springs& springs, Points3& points) {
       const auto [a, b] = springs.edges[e].vertices;
       const Eigen::RowVector3d d = points.row(a) - points.row(b);
       const double length = d.norm(), rest = springs.rest_lengths[static_cast<Eigen::Index>(e)];
-      const Eigen::RowVector3d goal = d * (std::min(1.0, kStretch * rest / length));
+      const Eigen::RowVector3d goal =
+          d * (std::clamp(length, kLeastStretch * rest, kMostStretch * rest) / length);
       right_side.row(a) += goal;
       right_side.row(b) -= goal;
     }
