@@ -47,7 +47,7 @@ struct TrainDesignConfig {  // section `train_design`
   int64_t steps = 3000;  // on all training designs at once
   double learning_rate = 3e-3;
   double weight_decay = 1e-3;
-  int threads = 0;
+  int threads = 1;  // the network is too small for more
   uint64_t seed = 1;
 };
 

@@ -8,7 +8,8 @@ using torch::Tensor;
 DesignNetImpl::DesignNetImpl(const std::vector<int>& hidden, int64_t components, int64_t outputs) {
   mean = register_buffer("mean", torch::zeros({outputs}));
   basis = register_buffer("basis", torch::zeros({components, outputs}));
-  line_ = register_module("line", nn::Linear(3, components));
+  slope = register_buffer("slope", torch::zeros({3, components}));
+  start = register_buffer("start", torch::zeros({components}));
   mlp_ = register_module("mlp", nn::Sequential());
   int64_t in = 3;
   for (const int width : hidden) {
@@ -16,12 +17,14 @@ DesignNetImpl::DesignNetImpl(const std::vector<int>& hidden, int64_t components,
     mlp_->push_back(nn::SiLU());
     in = width;
   }
-  mlp_->push_back(nn::Linear(in, components));
+  nn::Linear last(in, components);
+  nn::init::zeros_(last->weight);  // starts as the line
+  nn::init::zeros_(last->bias);
+  mlp_->push_back(last);
 }
 
 Tensor DesignNetImpl::coefficients(const Tensor& p) {
-  const Tensor centred = 2 * p - 1;  // [0, 1] to [-1, 1]
-  return line_(centred) + mlp_->forward(centred);
+  return start + torch::matmul(p, slope) + mlp_->forward(2 * p - 1);
 }
 
 Tensor DesignNetImpl::forward(const Tensor& p) {

@@ -376,6 +376,16 @@ void fit_basis(DesignNet& network, const Tensor& outputs) {
   }
 }
 
+// Least squares from p to the coordinates in the basis; of all that fit equally, the flattest.
+void fit_line(DesignNet& network, const Tensor& parameters, const Tensor& aim) {
+  const torch::NoGradGuard no_grad;
+  const Tensor p = parameters.to(torch::kFloat64), a = aim.to(torch::kFloat64);
+  const Tensor p_mean = p.mean(0, true), a_mean = a.mean(0, true);
+  const Tensor slope = torch::matmul(torch::linalg_pinv(p - p_mean, 1e-6), a - a_mean);  // [3, K]
+  network->slope.copy_(slope);
+  network->start.copy_((a_mean - torch::matmul(p_mean, slope)).squeeze(0));
+}
+
 }  // namespace
 
 TrainDesignResult train_design(const TrainDesignConfig& config, const std::string& dataset,
@@ -405,6 +415,7 @@ TrainDesignResult train_design(const TrainDesignConfig& config, const std::strin
   const Tensor lengths = network->basis.square().sum(1);  // [K]
   const Tensor aim = torch::matmul(outputs - network->mean, network->basis.t()) /
                      lengths.clamp_min(1e-20);  // [D, K]
+  fit_line(network, parameters, aim);
   const Tensor importance = lengths / lengths.sum().clamp_min(1e-20);
   Adam adam(*network);
   LossCurve curve(folder + "/design_loss.csv", 0);

@@ -31,7 +31,7 @@ TrainConfig tiny_config() {
   config.warmup_steps = 4;
   config.validate_every_steps = 5;
   config.validation_rows = 8;
-  config.threads = 2;
+  config.threads = 1;
   config.seed = 3;
   return config;
 }
@@ -226,6 +226,7 @@ TEST_F(Sample, MatchesItsCondition) {
       ASSERT_EQ(rows.size(), 12U);
       SampleConfig config;
       config.sampler = sampler;
+      config.threads = 1;
       const std::string output = *folder_ / "samples.h5";
       ASSERT_TRUE(sample_textures(result_.checkpoint, *folder_ / "dataset.h5", rows, config, output,
                                   Provenance{}));
@@ -257,6 +258,7 @@ TEST_F(Sample, DoesNotDependOnItsBatch) {
   }
   SampleConfig config;
   config.sampler = "ddpm";
+  config.threads = 1;
   config.batch_size = 5;
   const std::vector<float> together = model.sample(conditions, streams, config);
   config.batch_size = 2;
