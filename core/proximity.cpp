@@ -247,7 +247,8 @@ Vec<3> closest_on_triangle(const Vec<3>& p, const Vec<3>& a, const Vec<3>& b, co
 }
 
 // Solid angle of each triangle: van Oosterom and Strackee 1983, "The Solid Angle of a Plane
-// Triangle".
+// Triangle". Half of it is the argument of a complex number, so the product of these numbers adds
+// the angles up, with one arctangent at the end instead of one a triangle; whole turns are counted.
 Eigen::VectorXd winding_numbers(const SurfaceTree& surface,
                                 const Eigen::Ref<const Points3>& queries) {
   const Points3& vertices = surface.vertices();
@@ -261,15 +262,23 @@ Eigen::VectorXd winding_numbers(const SurfaceTree& surface,
     for (Eigen::Index q = 0; q < queries.rows(); ++q) {
       to_vertex = vertices.rowwise() - queries.row(q);
       length = to_vertex.rowwise().norm();
-      double half_angle = 0;
+      double re = 1, im = 0;  // the product so far, argument in (-pi, pi]
+      int turns = 0;
       for (int f = 0; f < faces.rows(); ++f) {
         const int i = faces(f, 0), j = faces(f, 1), k = faces(f, 2);
         const Vec<3> a = to_vertex.row(i), b = to_vertex.row(j), c = to_vertex.row(k);
-        half_angle +=
-            std::atan2(a.dot(b.cross(c)), length[i] * length[j] * length[k] + a.dot(b) * length[k] +
-                                              b.dot(c) * length[i] + c.dot(a) * length[j]);
+        const double x = length[i] * length[j] * length[k] + a.dot(b) * length[k] +
+                         b.dot(c) * length[i] + c.dot(a) * length[j];
+        const double y = a.dot(b.cross(c));
+        const double new_re = re * x - im * y, new_im = re * y + im * x;
+        const double size = std::abs(new_re) + std::abs(new_im);
+        if (!(size > 0)) continue;  // the query is a corner: no angle is defined
+        if (im >= 0 && y >= 0 && new_im < 0) ++turns;
+        if (im < 0 && y < 0 && new_im >= 0) --turns;
+        re = new_re / size;
+        im = new_im / size;
       }
-      result[q] = half_angle / (2 * 3.14159265358979323846);
+      result[q] = turns + std::atan2(im, re) / (2 * 3.14159265358979323846);
     }
   }
   return result;
