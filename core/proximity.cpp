@@ -33,7 +33,12 @@ std::array<Vec<3>, 3> corners(const Points3& vertices, const Faces& faces, int f
 }
 
 double squared_distance(const Vec<3>& p, const Box& box) {
-  return (box.min_ - p).cwiseMax(p - box.max_).cwiseMax(0).squaredNorm();
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double beyond = std::max(std::max(box.min_[k] - p[k], p[k] - box.max_[k]), 0.0);
+    sum += beyond * beyond;
+  }
+  return sum;
 }
 
 // Branch and bound: the nearer child first, and none that lies beyond the best face so far.
