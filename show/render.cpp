@@ -225,7 +225,8 @@ class Scene {
       surface.shadow_origin -= weight[k] * below * side * n[k];
     }
 
-    surface.albedo = is_inside ? shaded.inside_color : shaded.color;
+    surface.albedo = shaded.color;
+    if (is_inside) surface.albedo = shaded.inside_color;
     const bool has_own_inside = is_inside && mesh.inside_color;
     if (!shaded.vertex_colors.empty() && !has_own_inside) {
       surface.albedo.setZero();
