@@ -26,7 +26,6 @@ void validate(const FabricConfig& config) {
         config.poisson_ratio >= 0 && config.poisson_ratio < 0.5, "0 .. < 0.5");
   check("bending_N_m", config.bending_N_m, config.bending_N_m >= 0, ">= 0");
   check("friction", config.friction, config.friction >= 0, ">= 0");
-  check_positive("thickness_m", config.thickness_m);
 }
 
 }  // namespace pleat::garment

@@ -1,5 +1,8 @@
 #include "sim/body_contact.h"
 
+#include <algorithm>
+#include <array>
+
 #include "core/mesh.h"
 
 namespace pleat::sim {
@@ -10,8 +13,11 @@ constexpr double kOutsideStep =
 
 }  // namespace
 
-BodyCollider::BodyCollider(const Eigen::Ref<const Points3>& vertices, const Faces& faces)
-    : tree_(vertices, faces), faces_of_vertex_(vertices.rows()) {
+BodyCollider::BodyCollider(const Eigen::Ref<const Points3>& vertices, const Faces& faces,
+                           std::vector<int> part)
+    : tree_(vertices, faces), faces_of_vertex_(vertices.rows()), part_(std::move(part)) {
+  if (part_.empty()) part_.assign(faces.rows(), 0);
+  is_active_in_part_.resize(1 + *std::max_element(part_.begin(), part_.end()));
   for (int f = 0; f < faces.rows(); ++f)
     for (int c = 0; c < 3; ++c) faces_of_vertex_[faces(f, c)].push_back(f);
   move_to(vertices);
@@ -21,6 +27,11 @@ void BodyCollider::move_to(const Eigen::Ref<const Points3>& vertices) {
   tree_.refit(vertices);
   normals_ = vertex_normals(vertices, faces());
   switch_off_overlaps();
+  for (int p = 0; p < part_count(); ++p) {
+    is_active_in_part_[p] = is_active_;
+    for (size_t f = 0; f < part_.size(); ++f)
+      if (part_[f] != p) is_active_in_part_[p][f] = 0;
+  }
 }
 
 Vec<3> BodyCollider::normal(int face, const Vec<3>& barycentric) const {
@@ -65,6 +76,26 @@ void BodyCollider::switch_off_overlaps() {
     for (int v : inside)
       for (int face : faces_of_vertex_[v]) ask_corners(face);
   }
+}
+
+std::vector<int> body_parts(const body::BodyModel& model) {
+  enum { kTrunk, kLeftArm, kRightArm, kLeftLeg, kRightLeg };
+  constexpr std::array<int, body::kJoints> kPartOfJoint = {
+      kTrunk,    kLeftLeg,  kRightLeg, kTrunk,    kLeftLeg, kRightLeg, kTrunk,   kLeftLeg,
+      kRightLeg, kTrunk,    kLeftLeg,  kRightLeg, kTrunk,   kTrunk,    kTrunk,   kTrunk,
+      kLeftArm,  kRightArm, kLeftArm,  kRightArm, kLeftArm, kRightArm, kLeftArm, kRightArm};
+  std::vector<int> parts(model.faces.rows());
+  for (Eigen::Index f = 0; f < model.faces.rows(); ++f) {
+    std::array<double, 5> weight = {};
+    for (int c = 0; c < 3; ++c)
+      for (SkinWeights::InnerIterator w(model.weights, model.faces(f, c)); w; ++w) {
+        int joint = static_cast<int>(w.col());
+        while (joint >= body::kJoints) joint = model.parents[joint];
+        weight[kPartOfJoint[joint]] += w.value();
+      }
+    parts[f] = static_cast<int>(std::max_element(weight.begin(), weight.end()) - weight.begin());
+  }
+  return parts;
 }
 
 }  // namespace pleat::sim

@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "body/body_model.h"
 #include "core/proximity.h"
 #include "core/types.h"
 
@@ -14,7 +15,9 @@ namespace pleat::sim {
 
 class BodyCollider {
  public:
-  BodyCollider(const Eigen::Ref<const Points3>& vertices, const Faces& faces);
+  // part: of each face, 0 .. ; cloth between two parts feels both. Empty: all is one part.
+  BodyCollider(const Eigen::Ref<const Points3>& vertices, const Faces& faces,
+               std::vector<int> part = {});
   void move_to(const Eigen::Ref<const Points3>& vertices);
 
   const SurfaceTree& tree() const { return tree_; }
@@ -24,6 +27,9 @@ class BodyCollider {
   Vec<3> normal(int face, const Vec<3>& barycentric) const;
   Vec<3> point(int face, const Vec<3>& barycentric) const;
   const std::vector<char>& is_active() const { return is_active_; }  // a face
+  int part_count() const { return static_cast<int>(is_active_in_part_.size()); }
+  int part(int face) const { return part_[face]; }
+  const std::vector<char>& is_active_in(int part) const { return is_active_in_part_[part]; }
 
  private:
   void switch_off_overlaps();
@@ -32,6 +38,11 @@ class BodyCollider {
   std::vector<std::vector<int>> faces_of_vertex_;
   Points3 normals_;
   std::vector<char> is_active_;
+  std::vector<int> part_;
+  std::vector<std::vector<char>> is_active_in_part_;
 };
+
+// Trunk with head, arms and legs, by the joint that moves most of each face.
+std::vector<int> body_parts(const body::BodyModel& model);
 
 }  // namespace pleat::sim

@@ -70,7 +70,7 @@ class Chain {
         factor_(cloth_.bending_hessian),
         wearer_(start),
         shaped_(body::shape_body(model, start.shape)),
-        collider_(body::pose_body(model, shaped_, start.pose), model.faces) {
+        collider_(body::pose_body(model, shaped_, start.pose), model.faces, body_parts(model)) {
     state_.x = as_vector(positions);
     state_.anchors.resize(topology.vertex_count);
   }

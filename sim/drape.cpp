@@ -5,7 +5,7 @@ namespace pleat::sim {
 NewtonResult drape(const Cloth& cloth, const BodyCollider& collider, double friction,
                    const ContactConfig& contact, const NewtonConfig& solver, Cholesky& factor,
                    DrapeState& state) {
-  ContactSearch search(cloth, collider, contact, friction);
+  ContactSearch search(cloth, collider, contact, friction, solver.max_step_m);
   const auto find_touching = [&](const Eigen::VectorXd& x) {
     return search.find(x, state.anchors);
   };

@@ -36,7 +36,8 @@ Cloth make_cloth(const Faces& faces, const Faces& panel_faces,
 // The touching vertices of one configuration, frozen within a solver iteration.
 struct Touching {
   std::vector<Contact> contacts;
-  std::vector<Friction> frictions;
+  std::vector<Friction> frictions;  // the i-th belongs to the i-th contact; further contacts of a
+                                    // vertex that other parts of the body squeeze have none
 };
 
 struct System {

@@ -11,59 +11,94 @@ void validate(const ContactConfig& config) {
     throw InputError("contact.distance_m must lie in (0, 0.02]");
   if (!(config.stiffness_N_per_m3 > 0)) throw InputError("contact.stiffness_N_per_m3 must be > 0");
   if (!(config.slip_m > 0)) throw InputError("contact.slip_m must be > 0");
-  if (!(config.search_depth_m > config.distance_m))
-    throw InputError("contact.search_depth_m must be > contact.distance_m");
+  if (!(config.search_depth_m > 2 * config.distance_m))
+    throw InputError("contact.search_depth_m must be > 2 contact.distance_m");
 }
 
 ContactSearch::ContactSearch(const Cloth& cloth, const BodyCollider& collider,
-                             const ContactConfig& config, double friction)
+                             const ContactConfig& config, double friction, double reach_m)
     : cloth_(cloth),
       collider_(collider),
       config_(config),
       friction_(friction),
+      reach_(config.distance_m + reach_m),
       asked_at_(Points3::Zero(cloth.vertex_count, 3)),
       clearance_(Eigen::VectorXd::Zero(cloth.vertex_count)) {}
 
+std::optional<Contact> ContactSearch::contact_with(int vertex, const Vec<3>& position,
+                                                   const ClosestPoint& closest) const {
+  // Where the closest point lies on the rim of a part, the plane there says nothing about the
+  // vertex.
+  constexpr double kLeastCosine = 0.7;
+  if (closest.face < 0) return std::nullopt;
+  const Vec<3> normal = collider_.normal(closest.face, closest.barycentric);
+  const double gap = normal.dot(position - closest.point);
+  const double distance = std::sqrt(closest.squared_distance);
+  if (std::abs(gap) < kLeastCosine * distance || gap > reach_) return std::nullopt;
+  return Contact{vertex,
+                 closest.face,
+                 closest.barycentric,
+                 closest.point,
+                 normal,
+                 config_.distance_m,
+                 config_.stiffness_N_per_m3 * cloth_.area[vertex]};
+}
+
 Touching ContactSearch::find(const Eigen::VectorXd& x, std::vector<Anchor>& anchors) {
   Touching touching;
+  std::vector<Contact> further;
   for (int v = 0; v < cloth_.vertex_count; ++v) {
     const Vec<3> position = x.segment<3>(3 * v);
     const double moved = (position - asked_at_.row(v).transpose()).norm();
-    if (clearance_[v] - moved > config_.distance_m) continue;
+    if (clearance_[v] - moved > reach_) continue;
     const ClosestPoint closest =
         collider_.tree().closest(position, config_.search_depth_m, collider_.is_active());
     asked_at_.row(v) = position.transpose();
     clearance_[v] = closest.face < 0 ? config_.search_depth_m : std::sqrt(closest.squared_distance);
-    if (closest.face < 0) continue;
-    const Vec<3> normal = collider_.normal(closest.face, closest.barycentric);
-    const double gap = normal.dot(position - closest.point);
-    // Outside, the tangent plane may only understate the distance; what is farther than d is no
-    // contact.
-    if (gap >= config_.distance_m || (gap > 0 && clearance_[v] >= config_.distance_m)) continue;
-    Contact contact{v,
-                    closest.face,
-                    closest.barycentric,
-                    closest.point,
-                    normal,
-                    config_.distance_m,
-                    config_.stiffness_N_per_m3 * cloth_.area[v]};
-    const double force = normal_force(contact, position);
-    touching.contacts.push_back(contact);
-    if (anchors[v].face < 0) anchors[v] = {closest.face, closest.barycentric};
-    touching.frictions.push_back({v, collider_.point(anchors[v].face, anchors[v].barycentric),
-                                  normal, friction_ * force, config_.slip_m});
-    if (gap < 0) clearance_[v] = 0;  // inside: ask every time
+    if (closest.face < 0 || (clearance_[v] > reach_ && is_outside(position, closest))) continue;
+    if (!is_outside(position, closest)) clearance_[v] = 0;  // ask every time
+
+    // The part that the vertex sticks to comes first, else the nearest one; the others push only.
+    const int nearest = collider_.part(closest.face);
+    const int stuck = anchors[v].face < 0 ? nearest : collider_.part(anchors[v].face);
+    std::optional<Contact> first;
+    for (int p = 0; p < collider_.part_count(); ++p) {
+      const std::optional<Contact> contact = contact_with(
+          v, position,
+          p == nearest ? closest
+                       : collider_.tree().closest(position, reach_, collider_.is_active_in(p)));
+      if (!contact) continue;
+      if (p == stuck || (p == nearest && !first)) {
+        if (first) further.push_back(*first);
+        first = contact;
+      } else {
+        further.push_back(*contact);
+      }
+    }
+    if (!first) continue;
+    const double force = normal_force(*first, position);
+    if (force > 0 && anchors[v].face < 0) anchors[v] = {first->body_face, first->barycentric};
+    const Vec<3> anchor =
+        force > 0 ? collider_.point(anchors[v].face, anchors[v].barycentric) : first->point;
+    touching.contacts.push_back(*first);
+    touching.frictions.push_back({v, anchor, first->normal, friction_ * force, config_.slip_m});
   }
+  touching.contacts.insert(touching.contacts.end(), further.begin(), further.end());
   return touching;
+}
+
+bool ContactSearch::is_outside(const Vec<3>& position, const ClosestPoint& closest) const {
+  return collider_.normal(closest.face, closest.barycentric).dot(position - closest.point) >= 0;
 }
 
 void settle_anchors(const BodyCollider& collider, const Touching& touching,
                     const Eigen::VectorXd& x, const ContactConfig& config,
                     std::vector<Anchor>& anchors) {
   std::vector<Anchor> settled(anchors.size());
-  for (size_t i = 0; i < touching.contacts.size(); ++i) {
+  for (size_t i = 0; i < touching.frictions.size(); ++i) {
     const Contact& contact = touching.contacts[i];
     const Friction& friction = touching.frictions[i];
+    if (friction.limit == 0) continue;
     const Vec<3> position = x.segment<3>(3 * contact.vertex);
     const Vec<3> from_anchor = position - friction.anchor;
     const Vec<3> slip = from_anchor - friction.normal * friction.normal.dot(from_anchor);

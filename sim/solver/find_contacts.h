@@ -2,6 +2,7 @@
 // not asked again.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "sim/body_contact.h"
@@ -10,7 +11,7 @@
 namespace pleat::sim {
 
 struct ContactConfig {              // section `contact`
-  double distance_m = 0.003;        // gap at which the body begins to push
+  double distance_m = 0.004;        // gap at which the body begins to push
   double stiffness_N_per_m3 = 6e6;  // spring constant a unit of cloth area
   double slip_m = 0.0005;           // friction sticks like a spring up to this slip
   double search_depth_m =
@@ -27,17 +28,22 @@ struct Anchor {
 class ContactSearch {
  public:
   ContactSearch(const Cloth& cloth, const BodyCollider& collider, const ContactConfig& config,
-                double friction);
+                double friction, double reach_m);
 
-  // Contacts at x, with friction towards the anchors. A vertex that touches without an anchor gets
-  // one where it touches.
+  // Planes of the body for every vertex that touches it at x or may after a step of reach_m, with
+  // friction towards the anchors. A vertex that touches without an anchor gets one where it
+  // touches.
   Touching find(const Eigen::VectorXd& x, std::vector<Anchor>& anchors);
 
  private:
+  std::optional<Contact> contact_with(int vertex, const Vec<3>& position,
+                                      const ClosestPoint& closest) const;
+  bool is_outside(const Vec<3>& position, const ClosestPoint& closest) const;
+
   const Cloth& cloth_;
   const BodyCollider& collider_;
   ContactConfig config_;
-  double friction_;
+  double friction_, reach_;
   Points3 asked_at_;  // where each vertex was when its distance was measured
   Eigen::VectorXd
       clearance_;  // distance to the body measured there, capped at search_depth_m; 0: not yet
