@@ -1,0 +1,263 @@
+#include "app/pipeline.h"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+
+#include "app/report_page.h"
+#include "app/stage_log.h"
+#include "app/yaml_reader.h"
+#include "campaign/run_tasks.h"
+#include "core/error.h"
+#include "core/progress.h"
+#include "core/provenance.h"
+#include "encode/make_dataset.h"
+#include "evaluate/report.h"
+#ifdef PLEAT_LEARN
+#include "learn/sample.h"
+#include "learn/train.h"
+#endif
+
+namespace pleat::app {
+namespace {
+
+campaign::Campaign campaign_of(const StudyConfig& study) {
+  campaign::Campaign campaign;
+  campaign.designs = study.designs;
+  for (const std::vector<double>& shape : study.shapes)
+    campaign.shapes.push_back(Eigen::Map<const Eigen::VectorXd>(shape.data(), shape.size()));
+  for (const MotionEntry& entry : study.motions) {
+    campaign::MotionSource source{entry.name, entry.file, study.motion, ""};
+    source.config.start_s = entry.start_s;
+    source.config.duration_s = entry.duration_s;
+    source.settings = motion_settings(source.config);
+    campaign.motions.push_back(source);
+  }
+  campaign.garment_vertices = study.garment.vertices;
+  campaign.fabric = study.fabric;
+  campaign.simulation = study.simulation;
+  campaign.body_file = study.body.file;
+  campaign.settings = drape_settings(study);
+  return campaign;
+}
+
+std::string format(const char* pattern, double a, double b = 0) {
+  char text[160];
+  std::snprintf(text, sizeof text, pattern, a, b);
+  return text;
+}
+
+std::string campaign_summary(const campaign::RunReport& report) {
+  std::string text =
+      std::to_string(report.accepted) + " of " + std::to_string(report.frames) + " drapes accepted";
+  for (const auto& [reason, count] : report.rejected)
+    text += "; " + std::to_string(count) + " " + reason;
+  if (report.frames > 0)
+    text += format("; %.2f core-s a drape", report.drape_seconds / report.frames);
+  return text;
+}
+
+// One study being run: its folder, its keys, what is done.
+class Pipeline {
+ public:
+  explicit Pipeline(const StudyConfig& study)
+      : study_(study),
+        campaign_(campaign_of(study)),
+        manifest_(campaign::plan(campaign_)),
+        log_(study.output) {
+    std::string chains;
+    for (const campaign::Chain& chain : manifest_.chains) chains += chain.key + "\n";
+    for (const std::string& key : manifest_.garment_keys) chains += key + "\n";
+    campaign_key_ = sha256(chains);
+    encode_key_ = sha256(campaign_key_ + encode_settings(study));
+    train_key_ = sha256(encode_key_ + train_settings(study));
+    sample_key_ = sha256(train_key_ + sample_settings(study));
+    evaluate_key_ = sha256(sample_key_ + evaluate_settings(study));
+    report_key_ = sha256(evaluate_key_ + report_settings(study));
+    std::filesystem::create_directories(study.output);
+    write_file_atomically(in_output("config.yaml"), to_yaml(study));
+    campaign::write_manifest(in_output("manifest.json"), campaign_, manifest_);
+  }
+
+  bool run(Stage last) {
+    const std::vector<std::function<bool()>> stages = {
+        [&] { return dress(); }, [&] { return simulate(); }, [&] { return encode(); },
+        [&] { return train(); }, [&] { return sample(); },   [&] { return evaluate(); },
+        [&] { return report(); }};
+    for (int s = 0; s <= static_cast<int>(last); ++s)
+      if (!stages[s]() || is_interrupted()) return false;
+    return true;
+  }
+
+ private:
+  // Does `work` unless it was done for the same inputs. `work` returns a line for people, or
+  // nothing where interrupted.
+  bool once(const std::string& stage, const std::string& key, const std::string& file,
+            const std::function<std::optional<std::string>()>& work) {
+    if (const auto record = log_.find(stage, key, file)) {
+      spdlog::info("{}: up to date ({})", stage, record->summary);
+      return true;
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const std::optional<std::string> summary = work();
+    if (!summary) return false;
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    log_.write(stage, {key, seconds, *summary});
+    spdlog::info("{}: {} in {}", stage, *summary, duration_text(seconds));
+    return true;
+  }
+
+  bool dress() {
+    return once("dress", campaign_key_, in_output("garments"), [&]() -> std::optional<std::string> {
+      const auto report = campaign::settle_garments(campaign_, manifest_, study_.output,
+                                                    study_.seed, study_.threads);
+      if (report.is_interrupted) return std::nullopt;
+      return std::to_string(report.made + report.kept) + " designs settled on the mean body";
+    });
+  }
+
+  bool simulate() {
+    return once("simulate", campaign_key_, in_output("shards"),
+                [&]() -> std::optional<std::string> {
+                  const auto report = campaign::run_chains(campaign_, manifest_, study_.output,
+                                                           study_.seed, study_.threads);
+                  if (report.is_interrupted) return std::nullopt;
+                  return campaign_summary(report);
+                });
+  }
+
+  bool encode() {
+    return once("encode", encode_key_, dataset(), [&]() -> std::optional<std::string> {
+      encode::DatasetInputs inputs;
+      for (const campaign::Chain& chain : manifest_.chains)
+        inputs.clip_files.push_back(campaign::shard_path(study_.output, chain.key));
+      for (const std::string& key : manifest_.garment_keys)
+        inputs.garment_files.push_back(campaign::garment_path(study_.output, key));
+      inputs.body_file = study_.body.file;
+      const auto report =
+          encode::make_dataset(inputs, study_.encode, provenance("encode"), dataset());
+      if (report.is_interrupted) return std::nullopt;
+      return std::to_string(report.accepted_frames) + " frames, round trip " +
+             format("%.3f mm mean, %.2f mm at the 99th percentile", report.round_trip_mean_mm,
+                    report.round_trip_p99_mm);
+    });
+  }
+
+#ifdef PLEAT_LEARN
+  bool train() {
+    return once("train", train_key_, models(), [&]() -> std::optional<std::string> {
+      std::filesystem::create_directories(models());
+      const auto design =
+          learn::train_design(study_.train_design, dataset(), models(), provenance("train_design"));
+      if (design.status == learn::TrainStatus::kInterrupted) return std::nullopt;
+      const auto model =
+          learn::train_diffusion(study_.train, dataset(), models(), provenance("train"));
+      if (model.status == learn::TrainStatus::kInterrupted) return std::nullopt;
+      return std::to_string(model.step) + " steps of " + std::to_string(model.parameters) +
+             " weights, validation loss " +
+             format("%.4f; G_design %.2f mm on its training designs", model.validation_loss,
+                    design.train_error_mm);
+    });
+  }
+
+  bool sample() {
+    return once("sample", sample_key_, samples(), [&]() -> std::optional<std::string> {
+      std::vector<int64_t> rows;
+      for (int split = 0; split < encode::kSplits; ++split) {
+        const int count = split == encode::kTrain ? study_.rows.train : study_.rows.held_out;
+        for (int64_t row : learn::rows_of_split(dataset(), split, count)) rows.push_back(row);
+      }
+      if (rows.empty())
+        throw InputError(
+            "sample_rows: no row is asked for; raise sample_rows.held_out or sample_rows.train");
+      const bool has_finished =
+          learn::sample_textures(models() + "/diffusion.h5", dataset(), rows, study_.sample,
+                                 samples(), provenance("sample"));
+      if (!has_finished) return std::nullopt;
+      return std::to_string(rows.size()) + " rows, " +
+             std::to_string(study_.sample.samples_per_row) + " each";
+    });
+  }
+#else
+  bool train() {
+    throw InputError(
+        "this pleat was built without LibTorch (PLEAT_LEARN=OFF); it ends with `pleat encode`");
+  }
+  bool sample() { return train(); }
+#endif
+
+  bool evaluate() {
+    return once(
+        "evaluate", evaluate_key_, in_output("report.json"), [&]() -> std::optional<std::string> {
+          evaluation_ = evaluate::evaluate(dataset(), samples(), study_.body.file, study_.evaluate);
+          if (evaluation_->is_interrupted) return std::nullopt;
+          evaluate::write_report(in_output("report.json"), *evaluation_, provenance("evaluate"));
+          std::printf("%s\n", evaluate::summary(*evaluation_).c_str());
+          return format("sampled drapes off by %.2f mm on average",
+                        evaluation_->splits.back().error.mean_mm);
+        });
+  }
+
+  bool report() {
+    return once("report", report_key_, in_output("report.html"),
+                [&]() -> std::optional<std::string> {
+                  ReportInputs inputs;
+                  inputs.output = study_.output;
+                  inputs.dataset = dataset();
+                  inputs.samples = samples();
+                  inputs.loss_csv = models() + "/diffusion_loss.csv";
+                  inputs.shard_of_key = [this](const std::string& key) {
+                    return campaign::shard_path(study_.output, key);
+                  };
+                  for (const campaign::Chain& chain : manifest_.chains)
+                    inputs.shard_files.push_back(inputs.shard_of_key(chain.key));
+                  for (const auto& [stage, key, file] :
+                       std::vector<std::tuple<std::string, std::string, std::string>>{
+                           {"dress", campaign_key_, in_output("garments")},
+                           {"simulate", campaign_key_, in_output("shards")},
+                           {"encode", encode_key_, dataset()},
+                           {"train", train_key_, models()},
+                           {"sample", sample_key_, samples()},
+                           {"evaluate", evaluate_key_, in_output("report.json")}})
+                    if (const auto record = log_.find(stage, key, file))
+                      inputs.stages.push_back({stage, *record});
+                  if (!evaluation_)
+                    evaluation_ =
+                        evaluate::evaluate(dataset(), samples(), study_.body.file, study_.evaluate);
+                  if (evaluation_->is_interrupted ||
+                      !write_report_page(study_, inputs, *evaluation_, provenance("report"),
+                                         in_output("report.html")))
+                    return std::nullopt;
+                  return in_output("report.html");
+                });
+  }
+
+  std::string in_output(const std::string& name) const { return study_.output + "/" + name; }
+  std::string dataset() const { return in_output("dataset.h5"); }
+  std::string samples() const { return in_output("samples.h5"); }
+  std::string models() const { return in_output("models/" + train_key_.substr(0, 16)); }
+  Provenance provenance(const std::string& stage) const {
+    Provenance provenance;
+    provenance.stage = stage;
+    provenance.config = to_yaml(study_);
+    provenance.seed = study_.seed;
+    return provenance;
+  }
+
+  const StudyConfig& study_;
+  campaign::Campaign campaign_;
+  campaign::Manifest manifest_;
+  StageLog log_;
+  std::optional<evaluate::Evaluation> evaluation_;  // of this run, for the report
+  std::string campaign_key_, encode_key_, train_key_, sample_key_, evaluate_key_, report_key_;
+};
+
+}  // namespace
+
+bool run_stages(const StudyConfig& study, Stage last) { return Pipeline(study).run(last); }
+
+}  // namespace pleat::app

@@ -1,0 +1,28 @@
+// Configuration files to structs and back (only user of yaml-cpp).
+#pragma once
+
+#include <string>
+
+#include "app/study.h"
+
+namespace pleat::app {
+
+// Reads and validates. InputError with file, line and key: unknown key (with the nearest known
+// one), wrong type, wrong value.
+StudyConfig read_study(const std::string& path);
+
+// The effective configuration of the whole study, every key with its value, as YAML that read_study
+// takes.
+std::string to_yaml(const StudyConfig& study);
+
+// The same of what drapes depend on: fabric and simulation; and of a motion's cleaning and cut.
+std::string drape_settings(const StudyConfig& study);
+std::string motion_settings(const body::MotionConfig& config);
+// And of single sections, for the keys of the stages behind.
+std::string encode_settings(const StudyConfig& study);
+std::string train_settings(const StudyConfig& study);
+std::string sample_settings(const StudyConfig& study);
+std::string evaluate_settings(const StudyConfig& study);
+std::string report_settings(const StudyConfig& study);
+
+}  // namespace pleat::app
