@@ -111,7 +111,6 @@ void fields(V& visit, learn::UNetConfig& c) {
   visit("attention_head_channels", c.attention_head_channels);
   visit("condition_features", c.condition_features);
   visit("scale_shift", c.scale_shift);
-  visit("position_map", c.position_map);
 }
 template <typename V>
 void fields(V& visit, learn::TrainConfig& c) {
@@ -327,7 +326,7 @@ class Writer {
   void finish() { out_ << YAML::EndMap; }
 
  private:
-  void write(const std::string& value) { out_ << value; }
+  void write(std::string& value) { out_ << value; }
   void write(double value) { out_ << value; }
   void write(int value) { out_ << value; }
   void write(int64_t value) { out_ << value; }
