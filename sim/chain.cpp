@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+#include <string>
 
 #include "body/skinning.h"
 #include "core/error.h"
@@ -179,9 +179,13 @@ void validate(const SimulationConfig& config) {
   if (!(config.ease_deg > 0)) throw InputError("simulation.ease_deg must be > 0");
   if (!(config.ease_residual > 0)) throw InputError("simulation.ease_residual must be > 0");
   if (config.ease_iterations < 1) throw InputError("simulation.ease_iterations must be >= 1");
-  validate(config.solver);
-  validate(config.contact);
-  validate(config.accept);
+  try {
+    validate(config.solver);
+    validate(config.contact);
+    validate(config.accept);
+  } catch (const InputError& error) {  // they know their own section only
+    throw InputError(std::string("simulation.") + error.what());
+  }
 }
 
 garment::Clip simulate(const garment::Garment& garment, const body::BodyModel& model,
@@ -230,8 +234,8 @@ garment::Garment settle_garment(const garment::Design& design,
   const NewtonResult solved = chain.settle(config.solver);
   const garment::Certificate certificate = chain.certify(solved);
   if (!certificate.is_accepted)
-    throw std::runtime_error("design '" + design.name +
-                             "' does not settle on the mean body: " + certificate.reason);
+    throw InputError("design '" + design.name + "' does not settle on the mean body (" +
+                     certificate.reason + "); give it other numbers, or loosen simulation.accept");
   garment.t_pose = chain.positions();
   garment.weights = garment::garment_weights(garment.t_pose, topology.faces, model, shaped);
   return garment;

@@ -26,7 +26,7 @@ struct SimulationConfig {  // section `simulation`
 void validate(const SimulationConfig& config);
 
 // Sews a design around the mean body in the T-pose and lets it settle: the template of this design.
-// Throws std::runtime_error where it does not.
+// InputError where it does not.
 garment::Garment settle_garment(const garment::Design& design,
                                 const garment::GarmentTopology& topology,
                                 const body::BodyModel& model, const garment::FabricConfig& fabric,

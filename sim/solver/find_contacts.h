@@ -2,7 +2,6 @@
 // not asked again.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "sim/body_contact.h"
@@ -36,8 +35,13 @@ class ContactSearch {
   Touching find(const Eigen::VectorXd& x, std::vector<Anchor>& anchors);
 
  private:
-  std::optional<Contact> contact_with(int vertex, const Vec<3>& position,
-                                      const ClosestPoint& closest) const;
+  struct Candidate {
+    Contact contact;
+    double weight;  // 0 .. 1
+  };
+  Candidate candidate(int vertex, const Vec<3>& position, const ClosestPoint& closest) const;
+  std::vector<Contact> contacts_of(int vertex, const Vec<3>& position, const ClosestPoint& closest,
+                                   const Anchor& anchor) const;
   bool is_outside(const Vec<3>& position, const ClosestPoint& closest) const;
 
   const Cloth& cloth_;
@@ -47,6 +51,8 @@ class ContactSearch {
   Points3 asked_at_;  // where each vertex was when its distance was measured
   Eigen::VectorXd
       clearance_;  // distance to the body measured there, capped at search_depth_m; 0: not yet
+  std::vector<std::vector<Contact>> contacts_;  // of each vertex, from when it was last asked
+  int finds_ = 0;
 };
 
 // After a drape: anchors of vertices that slid follow to the slip limit behind them, those that

@@ -21,21 +21,35 @@ double largest_move(const Eigen::VectorXd& step) {
   return largest;
 }
 
-struct Step {
-  Eigen::VectorXd p;
-  double model_drop = 0;  // of the energy, as its quadratic model tells
+// A step and how the search along it ended.
+struct Search {
+  double length = 0;  // of the step taken, in steps; 0: none lowers the energy enough
+  double ratio = 0;   // of the energy's drop to the model's, at the full step
 };
 
-Step solve_step(const Cholesky& factor, const BlockMatrix& hessian, const Eigen::VectorXd& gradient,
-                double max_step) {
-  Step step;
-  step.p = -factor.solve(gradient);
-  const double move = largest_move(step.p);
-  if (move > max_step) step.p *= max_step / move;
-  Eigen::VectorXd Hp;
-  multiply(hessian, step.p, Hp);
-  step.model_drop = -step.p.dot(gradient) - 0.5 * step.p.dot(Hp);
-  return step;
+// Energies cost little beside a factorisation: shorter steps are tried before another damping, and
+// longer ones where the clamped Hessian was too cautious.
+template <typename Energy>
+Search search_along(const Energy& energy, double start, double slope, double curvature,
+                    double longest) {
+  constexpr double kLeastLength = 1.0 / 16;
+  Search search;
+  double at = energy(1.0);
+  search.ratio = (start - at) / -(slope + 0.5 * curvature);
+  double length = 1;
+  while (!(at <= start + kAcceptRatio * length * slope)) {
+    length /= 2;
+    if (length < kLeastLength) return search;
+    at = energy(length);
+  }
+  while (length >= 1 && 2 * length <= longest) {
+    const double beyond = energy(2 * length);
+    if (!(beyond < at)) break;
+    at = beyond;
+    length *= 2;
+  }
+  search.length = length;
+  return search;
 }
 
 }  // namespace
@@ -70,19 +84,27 @@ NewtonResult minimise(const Cloth& cloth,
       if (!factor.factor(system.hessian, damping * mass))
         assemble(cloth, touching, x, Order::kProjectedHessian, system);
     }
-    for (bool is_accepted = false; !is_accepted && damping < kMostDamping;) {
+    while (damping < kMostDamping) {
       ++result.factorisations;
+      Search search;
       if (factor.factor(system.hessian, damping * mass)) {
-        const Step step = solve_step(factor, system.hessian, system.gradient, config.max_step_m);
-        const Eigen::VectorXd x_trial = x + step.p;
-        assemble(cloth, touching, x_trial, Order::kValue, trial);
-        const double ratio = (system.energy - trial.energy) / step.model_drop;
-        is_accepted = ratio > kAcceptRatio;
-        if (is_accepted) x = x_trial;
-        if (ratio > 0.75) damping = std::max(kLeastDamping, damping / kDampingFactor);
-        if (ratio >= 0.25) continue;
+        Eigen::VectorXd p = -factor.solve(system.gradient), Hp;
+        const double move = largest_move(p);
+        if (move > config.max_step_m) p *= config.max_step_m / move;
+        multiply(system.hessian, p, Hp);
+        const auto energy = [&](double length) {
+          assemble(cloth, touching, x + length * p, Order::kValue, trial);
+          return trial.energy;
+        };
+        search = search_along(energy, system.energy, p.dot(system.gradient), p.dot(Hp),
+                              config.max_step_m / std::min(move, config.max_step_m));
+        x += search.length * p;
       }
-      damping = std::max(16 * kLeastDamping, kDampingFactor * damping);
+      if (search.ratio > 0.75)
+        damping = std::max(kLeastDamping, damping / kDampingFactor);
+      else if (search.ratio < 0.25)
+        damping = std::max(16 * kLeastDamping, kDampingFactor * damping);
+      if (search.length > 0) break;
     }
     ++result.iterations;
     touching = find_touching(x);

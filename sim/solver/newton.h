@@ -17,8 +17,8 @@ namespace pleat::sim {
 struct NewtonConfig {      // section `solver`
   double residual = 1e-3;  // stop at |gradient| <= residual * |weight of the cloth|
   int max_iterations = 300;
-  double max_step_m = 0.01;     // no vertex moves farther in one iteration
-  double near_residual = 0.03;  // below it, the exact Hessian is tried
+  double max_step_m = 0.01;      // no vertex moves farther in one iteration
+  double near_residual = 0.005;  // below it, the exact Hessian is tried
 };
 void validate(const NewtonConfig& config);
 
