@@ -22,7 +22,7 @@ void visit_network(Config& config, Visit&& visit) {
   visit("attention_head_channels", config.attention_head_channels);
   visit("condition_features", config.condition_features);
   visit("input_channels", config.input_channels);
-  visit("position_map", config.position_map);
+  visit("scale_shift", config.scale_shift);
 }
 
 template <typename Config, typename Visit>

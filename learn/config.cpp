@@ -1,10 +1,6 @@
 #include "learn/config.h"
 
-#include <ATen/Parallel.h>
-
-#include <algorithm>
 #include <sstream>
-#include <thread>
 
 #include "core/error.h"
 
@@ -32,7 +28,7 @@ UNetConfig paper_unet() {
   config.block_channels = {128, 128, 256, 256, 512, 512};
   config.attention_blocks = {5};
   config.patch = 1;
-  config.position_map = false;
+  config.scale_shift = false;
   return config;
 }
 
@@ -109,11 +105,6 @@ void validate(const SampleConfig& config) {
   require_within("sample.samples_per_row", config.samples_per_row, 1, 1e6);
   require_within("sample.batch_size", config.batch_size, 1, 65536);
   require_within("sample.threads", config.threads, 0, 4096);
-}
-
-void use_threads(int threads) {
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  at::set_num_threads(threads > 0 ? threads : cores);
 }
 
 }  // namespace pleat::learn

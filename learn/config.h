@@ -16,7 +16,7 @@ struct UNetConfig {                                      // section `train.netwo
   int attention_head_channels = 8;
   int condition_features = 128;  // width of the 2-layer MLP on the condition
   int input_channels = 3;        // 6 with the previous frame
-  bool position_map = true;      // learned offset a texel behind the first convolution
+  bool scale_shift = true;  // time and condition scale channels too, as in Dhariwal and Nichol 2021
 };
 UNetConfig paper_unet();  // section 5.2: 128 128 256 256 512 512, attention in the fifth
 
@@ -66,9 +66,5 @@ void validate(const UNetConfig& config);
 void validate(const TrainConfig& config);
 void validate(const TrainDesignConfig& config);
 void validate(const SampleConfig& config);
-
-// Sets the threads that LibTorch computes with, 0: one a core. Results may differ in the last bits
-// between counts.
-void use_threads(int threads);
 
 }  // namespace pleat::learn

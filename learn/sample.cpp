@@ -12,6 +12,7 @@
 #include "learn/checkpoint.h"
 #include "learn/design_net.h"
 #include "learn/diffusion.h"
+#include "learn/threads.h"
 #include "learn/unet.h"
 
 namespace pleat::learn {

@@ -18,13 +18,16 @@ nn::GroupNorm group_norm(int64_t groups, int64_t channels) {
   return nn::GroupNorm(nn::GroupNormOptions(groups, channels).eps(1e-5));
 }
 
-// x + conv(silu(norm(conv(silu(norm(x))) + embedding)))
+// x + conv(silu(norm(conv(silu(norm(x))) + shift))), or with scale_shift
+// x + conv(silu(norm(conv(silu(norm(x)))) (1 + scale) + shift)); scale and shift are linear in the
+// embedding.
 struct ResidualImpl : nn::Module {
-  ResidualImpl(int64_t in, int64_t out, int64_t embedding, int64_t groups)
-      : norm1(register_module("norm1", group_norm(groups, in))),
+  ResidualImpl(int64_t in, int64_t out, int64_t embedding, const UNetConfig& config)
+      : scale_shift(config.scale_shift),
+        norm1(register_module("norm1", group_norm(config.norm_groups, in))),
         conv1(register_module("conv1", conv3(in, out))),
-        project(register_module("project", nn::Linear(embedding, out))),
-        norm2(register_module("norm2", group_norm(groups, out))),
+        project(register_module("project", nn::Linear(embedding, scale_shift ? 2 * out : out))),
+        norm2(register_module("norm2", group_norm(config.norm_groups, out))),
         conv2(register_module("conv2", conv3(out, out))) {
     if (in != out) {
       shortcut = register_module("shortcut", nn::Conv2d(nn::Conv2dOptions(in, out, 1)));
@@ -33,10 +36,17 @@ struct ResidualImpl : nn::Module {
   // embedding: silu(time, condition), [B, E]
   Tensor forward(const Tensor& x, const Tensor& embedding) {
     Tensor h = conv1(torch::silu(norm1(x)));
-    h = h + project(embedding).unsqueeze(2).unsqueeze(3);
-    h = conv2(torch::silu(norm2(h)));
+    const Tensor projected = project(embedding).unsqueeze(2).unsqueeze(3);
+    if (scale_shift) {
+      const std::vector<Tensor> parts = projected.chunk(2, 1);
+      h = norm2(h) * (1 + parts[0]) + parts[1];
+    } else {
+      h = norm2(h + projected);
+    }
+    h = conv2(torch::silu(h));
     return (shortcut ? shortcut(x) : x) + h;
   }
+  bool scale_shift;
   nn::GroupNorm norm1;
   nn::Conv2d conv1;
   nn::Linear project;
@@ -79,7 +89,7 @@ struct BlockImpl : nn::Module {
     residuals = register_module("residuals", nn::ModuleList());
     attentions = register_module("attentions", nn::ModuleList());
     for (const int64_t in : inputs) {
-      residuals->push_back(Residual(in, out, embedding, config.norm_groups));
+      residuals->push_back(Residual(in, out, embedding, config));
       if (has_attention) {
         attentions->push_back(Attention(out, config.attention_head_channels, config.norm_groups));
       }
@@ -145,10 +155,6 @@ UNetImpl::UNetImpl(const UNetConfig& config, int64_t resolution, int64_t feature
   }
   conv_in_ =
       register_module("conv_in", conv3(config.input_channels * texels_per_patch, channels(0)));
-  if (config.position_map) {
-    const int64_t side = resolution / config.patch;
-    position_map_ = register_parameter("position_map", torch::zeros({1, channels(0), side, side}));
-  }
 
   std::vector<int64_t> skips = {channels(0)};
   int64_t in = channels(0);
@@ -167,9 +173,9 @@ UNetImpl::UNetImpl(const UNetConfig& config, int64_t resolution, int64_t feature
   }
 
   middle_ = register_module("middle", nn::ModuleList());
-  middle_->push_back(Residual(in, in, embedding, config.norm_groups));
+  middle_->push_back(Residual(in, in, embedding, config));
   middle_->push_back(Attention(in, config.attention_head_channels, config.norm_groups));
-  middle_->push_back(Residual(in, in, embedding, config.norm_groups));
+  middle_->push_back(Residual(in, in, embedding, config));
 
   up_ = register_module("up", nn::ModuleList());
   for (size_t level = levels; level-- > 0;) {
@@ -194,8 +200,7 @@ Tensor UNetImpl::forward(const Tensor& y, const Tensor& t, const Tensor& c) {
   }
   embedding = torch::silu(embedding);  // [B, E]
 
-  Tensor h = conv_in_(to_patches(y, config_.patch).contiguous(torch::MemoryFormat::ChannelsLast));
-  if (position_map_.defined()) h = h + position_map_;
+  Tensor h = conv_in_(to_patches(y, config_.patch));
   std::vector<Tensor> skips = {h};
   for (size_t level = 0; level < down_->size(); ++level) {
     auto& block = down_->at<BlockImpl>(level);
@@ -217,8 +222,9 @@ Tensor UNetImpl::forward(const Tensor& y, const Tensor& t, const Tensor& c) {
       h = block.layer(i, torch::cat({h, skips.back()}, 1), embedding);
       skips.pop_back();
     }
-    if (block.resample)
+    if (block.resample) {
       h = block.resample(torch::upsample_nearest2d(h, {2 * h.size(2), 2 * h.size(3)}));
+    }
   }
   h = conv_out_(torch::silu(norm_out_(h)));
   return from_patches(h, config_.patch);

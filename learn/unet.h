@@ -24,7 +24,6 @@ class UNetImpl : public torch::nn::Module {
   torch::nn::Linear time_in_{nullptr}, time_out_{nullptr};
   torch::nn::Linear condition_in_{nullptr}, condition_out_{nullptr};
   torch::nn::Conv2d conv_in_{nullptr}, conv_out_{nullptr};
-  torch::Tensor position_map_;
   torch::nn::ModuleList down_{nullptr}, middle_{nullptr}, up_{nullptr};
   torch::nn::GroupNorm norm_out_{nullptr};
 };

@@ -19,9 +19,9 @@ constexpr double kScale = 1e-5;  // m
 // inside the mask.
 double offset(int channel, double u, double v, const double* pose, const double* shape,
               const double* design) {
-  const double phase = 3 * pose[3] + 2 * design[0];
-  const double wave = std::sin(6 * u + 2 * pose[6] * v + phase + channel);
-  return 0.01 * (channel - 1) + 0.02 * (1 + 0.3 * shape[0]) * wave + 0.02 * pose[9] * (u - v) +
+  const double phase = 2 * pose[3] + 2 * design[0];
+  const double wave = std::sin(6 * u + 2 * pose[4] * v + phase + channel);
+  return 0.01 * (channel - 1) + 0.02 * (1 + 0.3 * shape[0]) * wave + 0.02 * pose[5] * (u - v) +
          0.02 * design[1] * v;
 }
 

@@ -9,7 +9,7 @@ struct SyntheticDataset {
   int frames = 60;
   int resolution = 16;
   int designs = 6;  // the last one held out
-  int joints = 4;
+  int joints = 2;   // textures depend on the second
   int shape_count = 2;
   int vertices = 30, uvs = 40;
   double held_out_share = 0.2;  // of the frames, beside those of the held-out design

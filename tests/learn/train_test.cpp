@@ -87,21 +87,23 @@ TEST(Batches, ReadWhatTheFileHolds) {
 TEST(Train, ResumesToTheSameBits) {
   const TemporaryFolder folder;
   write_synthetic_dataset(folder / "dataset.h5", {});
-  const TrainResult whole = train(tiny_config(), folder, "whole");
+  TrainConfig config = tiny_config();
+  config.threads = 2;
+  const TrainResult whole = train(config, folder, "whole");
   EXPECT_EQ(whole.status, TrainStatus::kFinished);
   EXPECT_EQ(whole.step, 12);
 
   int asked = 0;
   const auto after_five = [&] { return ++asked == 5; };
-  TrainResult part = train(tiny_config(), folder, "parts", after_five);
+  TrainResult part = train(config, folder, "parts", after_five);
   EXPECT_EQ(part.status, TrainStatus::kInterrupted);
   EXPECT_EQ(part.step, 5);
-  TrainConfig hurried = tiny_config();
+  TrainConfig hurried = config;
   hurried.max_minutes = 1e-9;  // one step, then time is up
   part = train(hurried, folder, "parts");
   EXPECT_EQ(part.status, TrainStatus::kTimeUp);
   EXPECT_EQ(part.step, 6);
-  part = train(tiny_config(), folder, "parts");
+  part = train(config, folder, "parts");
   EXPECT_EQ(part.status, TrainStatus::kFinished);
 
   const Hdf5File a = Hdf5File::open(whole.checkpoint), b = Hdf5File::open(part.checkpoint);
@@ -186,53 +188,38 @@ TEST(Validate, NamesTheKey) {
   EXPECT_THAT(message_of([&] { validate(sample); }), testing::HasSubstr("sample.ddim_steps"));
 }
 
-// One training serves all tests of sampling.
-class Sample : public testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    folder_ = new TemporaryFolder;
-    SyntheticDataset dataset;
-    dataset.frames = 200;
-    write_synthetic_dataset(*folder_ / "dataset.h5", dataset);
-    TrainConfig config = tiny_config();
-    config.steps = 600;
-    config.learning_rate = 3e-3;
-    config.average_decay = 0.98;
-    config.validate_every_steps = 300;
-    result_ = train(config, *folder_, "out");
-  }
-  static void TearDownTestSuite() { delete folder_; }
+TEST(Train, LearnsWhatTheConditionSays) {
+  const TemporaryFolder folder;
+  SyntheticDataset options;
+  options.frames = 200;
+  write_synthetic_dataset(folder / "dataset.h5", options);
+  TrainConfig train_config = tiny_config();
+  train_config.steps = 800;
+  train_config.learning_rate = 3e-3;
+  train_config.average_decay = 0.98;
+  train_config.validate_every_steps = 400;
+  const TrainResult result = train(train_config, folder, "out");
 
-  static TemporaryFolder* folder_;
-  static TrainResult result_;
-};
-TemporaryFolder* Sample::folder_ = nullptr;
-TrainResult Sample::result_;
-
-TEST_F(Sample, LossFalls) {
-  std::ifstream curve(*folder_ / "out/diffusion_loss.csv");
+  std::ifstream curve(folder / "out/diffusion_loss.csv");
   std::string header, first;
   std::getline(curve, header);
   std::getline(curve, first);
   EXPECT_EQ(header, "step,loss,validation_loss,seconds");
-  const double first_loss = std::stod(first.substr(first.find(',') + 1));
-  EXPECT_LT(result_.loss, 0.3 * first_loss);
-}
+  EXPECT_LT(result.loss, 0.1 * std::stod(first.substr(first.find(',') + 1)));
 
-TEST_F(Sample, MatchesItsCondition) {
   for (const std::string sampler : {"ddim", "ddpm"}) {
     for (const int split : {0, 2}) {
-      const std::vector<int64_t> rows = rows_of_split(*folder_ / "dataset.h5", split, 12);
+      const std::vector<int64_t> rows = rows_of_split(folder / "dataset.h5", split, 12);
       ASSERT_EQ(rows.size(), 12U);
       SampleConfig config;
       config.sampler = sampler;
       config.threads = 1;
-      const std::string output = *folder_ / "samples.h5";
-      ASSERT_TRUE(sample_textures(result_.checkpoint, *folder_ / "dataset.h5", rows, config, output,
+      const std::string output = folder / "samples.h5";
+      ASSERT_TRUE(sample_textures(result.checkpoint, folder / "dataset.h5", rows, config, output,
                                   Provenance{}));
       const Hdf5File file = Hdf5File::open(output);
       ASSERT_EQ(file.dims("textures"), (Dims{12, 3, 16, 16}));
-      const TextureDataset dataset(*folder_ / "dataset.h5");
+      const TextureDataset dataset(folder / "dataset.h5");
       const Normalisation normalisation = read_normalisation(dataset);
       const torch::Tensor drawn = torch::tensor(file.read<float>("textures")).view({12, 3, 16, 16});
       EXPECT_EQ((drawn * (1 - normalisation.mask)).abs().max().item<double>(), 0);
@@ -240,16 +227,27 @@ TEST_F(Sample, MatchesItsCondition) {
       const torch::Tensor error = normalise_textures(normalisation, drawn) - truth;
       // Rows of other conditions are a relative error of sqrt(2) apart.
       const double relative = (error.norm() / truth.norm()).item<double>();
-      EXPECT_LT(relative, 0.3) << sampler << " split " << split;
+      EXPECT_LT(relative, split == 0 ? 0.3 : 0.5) << sampler << " split " << split;
       const std::vector<int32_t> written = file.read<int32_t>("row");
       EXPECT_THAT(written, testing::ElementsAreArray(rows));
     }
   }
 }
 
+// Samples of a model that has hardly learned: enough for all but their quality.
+class Sample : public testing::Test {
+ protected:
+  Sample() {
+    write_synthetic_dataset(folder_ / "dataset.h5", {});
+    result_ = train(tiny_config(), folder_, "out");
+  }
+  TemporaryFolder folder_;
+  TrainResult result_;
+};
+
 TEST_F(Sample, DoesNotDependOnItsBatch) {
   const DiffusionModel model(result_.checkpoint);
-  const TextureDataset dataset(*folder_ / "dataset.h5");
+  const TextureDataset dataset(folder_ / "dataset.h5");
   std::vector<Condition> conditions;
   std::vector<std::string> streams;
   for (int row = 0; row < 5; ++row) {
@@ -283,30 +281,30 @@ TEST_F(Sample, RefusesBadCheckpoints) {
   const auto message = [&](const std::string& path) {
     return message_of([&] { DiffusionModel model(path); });
   };
-  EXPECT_THAT(message(*folder_ / "nowhere.h5"), testing::HasSubstr("nowhere.h5"));
-  EXPECT_THAT(message(*folder_ / "dataset.h5"), testing::HasSubstr("no diffusion checkpoint"));
+  EXPECT_THAT(message(folder_ / "nowhere.h5"), testing::HasSubstr("nowhere.h5"));
+  EXPECT_THAT(message(folder_ / "dataset.h5"), testing::HasSubstr("no diffusion checkpoint"));
   std::ifstream source(result_.checkpoint, std::ios::binary);
   std::stringstream bytes;
   bytes << source.rdbuf();
   const std::string whole = bytes.str();
   for (const double share : {0.0, 0.1, 0.5, 0.99}) {
-    std::ofstream(*folder_ / "cut.h5", std::ios::binary)
+    std::ofstream(folder_ / "cut.h5", std::ios::binary)
         << whole.substr(0, static_cast<size_t>(share * static_cast<double>(whole.size())));
-    EXPECT_THAT(message(*folder_ / "cut.h5"), testing::HasSubstr("cut.h5")) << share;
+    EXPECT_THAT(message(folder_ / "cut.h5"), testing::HasSubstr("cut.h5")) << share;
   }
-  std::ofstream(*folder_ / "text.h5") << "no HDF5";
-  EXPECT_THAT(message(*folder_ / "text.h5"), testing::HasSubstr("text.h5"));
+  std::ofstream(folder_ / "text.h5") << "no HDF5";
+  EXPECT_THAT(message(folder_ / "text.h5"), testing::HasSubstr("text.h5"));
 }
 
 TEST_F(Sample, RefusesRowsAndConditionsThatDoNotFit) {
   SampleConfig config;
-  EXPECT_THROW(sample_textures(result_.checkpoint, *folder_ / "dataset.h5", {200}, config,
-                               *folder_ / "none.h5", Provenance{}),
+  EXPECT_THROW(sample_textures(result_.checkpoint, folder_ / "dataset.h5", {60}, config,
+                               folder_ / "none.h5", Provenance{}),
                InputError);
-  EXPECT_FALSE(std::filesystem::exists(*folder_ / "none.h5"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "none.h5"));
   const DiffusionModel model(result_.checkpoint);
   Condition condition;
-  condition.pose = Points3::Zero(3, 3);
+  condition.pose = Points3::Zero(5, 3);
   condition.shape = Eigen::VectorXd::Zero(2);
   condition.design.setZero();
   EXPECT_THROW(model.sample({condition}, {"a"}, config), InputError);
