@@ -11,6 +11,8 @@ namespace {
 constexpr double kOutsideStep =
     0.0005;  // m: how far off the surface a vertex is asked whether it lies inside the body
 
+constexpr double kRim = 0.02;  // m: an edge of coarse cloth
+
 }  // namespace
 
 BodyCollider::BodyCollider(const Eigen::Ref<const Points3>& vertices, const Faces& faces,
@@ -27,6 +29,7 @@ void BodyCollider::move_to(const Eigen::Ref<const Points3>& vertices) {
   tree_.refit(vertices);
   normals_ = vertex_normals(vertices, faces());
   switch_off_overlaps();
+  find_rim();
   for (int p = 0; p < part_count(); ++p) {
     is_active_in_part_[p] = is_active_;
     for (size_t f = 0; f < part_.size(); ++f)
@@ -76,6 +79,27 @@ void BodyCollider::switch_off_overlaps() {
     for (int v : inside)
       for (int face : faces_of_vertex_[v]) ask_corners(face);
   }
+}
+
+void BodyCollider::find_rim() {
+  is_near_overlap_.assign(faces().rows(), 0);
+  Points3 off(3 * faces().rows(), 3);  // corners of the faces that are switched off
+  Eigen::Index count = 0;
+  for (Eigen::Index f = 0; f < faces().rows(); ++f)
+    for (int c = 0; c < 3 && !is_active_[f]; ++c) off.row(count++) = vertices().row(faces()(f, c));
+  if (count == 0) return;
+  const Vec<3> low = off.topRows(count).colwise().minCoeff(),
+               high = off.topRows(count).colwise().maxCoeff();
+  std::vector<char> is_near(vertices().rows(), 0);
+  for (Eigen::Index v = 0; v < vertices().rows(); ++v) {
+    const Vec<3> x = vertices().row(v);
+    if ((x.array() < low.array() - kRim).any() || (x.array() > high.array() + kRim).any()) continue;
+    is_near[v] = (off.topRows(count).rowwise() - x.transpose()).rowwise().squaredNorm().minCoeff() <
+                 kRim * kRim;
+  }
+  for (Eigen::Index f = 0; f < faces().rows(); ++f)
+    is_near_overlap_[f] = !is_active_[f] || is_near[faces()(f, 0)] || is_near[faces()(f, 1)] ||
+                          is_near[faces()(f, 2)];
 }
 
 std::vector<int> body_parts(const body::BodyModel& model) {

@@ -27,17 +27,21 @@ class BodyCollider {
   Vec<3> normal(int face, const Vec<3>& barycentric) const;
   Vec<3> point(int face, const Vec<3>& barycentric) const;
   const std::vector<char>& is_active() const { return is_active_; }  // a face
+  // Faces that are switched off or lie within a cloth edge's length of one that is: what cloth does
+  // there is not held against it.
+  const std::vector<char>& is_near_overlap() const { return is_near_overlap_; }
   int part_count() const { return static_cast<int>(is_active_in_part_.size()); }
   int part(int face) const { return part_[face]; }
   const std::vector<char>& is_active_in(int part) const { return is_active_in_part_[part]; }
 
  private:
   void switch_off_overlaps();
+  void find_rim();
 
   SurfaceTree tree_;
   std::vector<std::vector<int>> faces_of_vertex_;
   Points3 normals_;
-  std::vector<char> is_active_;
+  std::vector<char> is_active_, is_near_overlap_;
   std::vector<int> part_;
   std::vector<std::vector<char>> is_active_in_part_;
 };

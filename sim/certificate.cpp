@@ -11,13 +11,13 @@ namespace {
 
 constexpr double kGapSearch = 0.05;  // m: gaps are measured up to here
 
-// Smallest signed distance to the parts of the body that do not overlap others.
+// Smallest signed distance to the body, but of vertices whose nearest face overlaps another part.
 double min_gap(const Eigen::Ref<const Points3>& positions, const BodyCollider& collider) {
   double smallest = kGapSearch;
   for (Eigen::Index v = 0; v < positions.rows(); ++v) {
     const Vec<3> x = positions.row(v).transpose();
-    const ClosestPoint closest = collider.tree().closest(x, kGapSearch, collider.is_active());
-    if (closest.face < 0) continue;
+    const ClosestPoint closest = collider.tree().closest(x, kGapSearch);
+    if (closest.face < 0 || collider.is_near_overlap()[closest.face]) continue;
     const double side = collider.normal(closest.face, closest.barycentric).dot(x - closest.point);
     smallest = std::min(smallest, std::copysign(std::sqrt(closest.squared_distance), side));
   }
@@ -27,7 +27,7 @@ double min_gap(const Eigen::Ref<const Points3>& positions, const BodyCollider& c
 int count_body_intersections(const SurfaceTree& cloth, const BodyCollider& collider) {
   std::vector<int> crossing;
   for (const auto& [cloth_face, body_face] : intersecting_faces(cloth, collider.tree()))
-    if (collider.is_active()[body_face]) crossing.push_back(cloth_face);
+    if (!collider.is_near_overlap()[body_face]) crossing.push_back(cloth_face);
   std::sort(crossing.begin(), crossing.end());
   return static_cast<int>(std::unique(crossing.begin(), crossing.end()) - crossing.begin());
 }
