@@ -70,6 +70,10 @@ int design_of(const garment::Clip& clip, const std::string& file,
   throw InputError(file + ": no garment of its design " + clip.design.name + " was given");
 }
 
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 int sequence_of(const garment::Clip& clip, const std::string& file, const EncodeConfig& config,
                 std::vector<Sequence>& sequences) {
   for (size_t i = 0; i < sequences.size(); ++i) {
@@ -81,10 +85,8 @@ int sequence_of(const garment::Clip& clip, const std::string& file, const Encode
     }
     return static_cast<int>(i);
   }
-  const std::vector<std::string>& held_out = config.held_out_motions;
-  const bool is_held_out =
-      std::find(held_out.begin(), held_out.end(), clip.motion_name) != held_out.end();
-  sequences.push_back({clip.motion_name, is_held_out, clip.frame_rate_hz});
+  sequences.push_back(
+      {clip.motion_name, contains(config.held_out_motions, clip.motion_name), clip.frame_rate_hz});
   return static_cast<int>(sequences.size()) - 1;
 }
 
@@ -208,7 +210,7 @@ void refuse_empty(const DatasetReport& report, const DatasetContents& contents,
                   const EncodeConfig& config) {
   if (report.accepted_frames == 0) {
     throw InputError("none of the " + std::to_string(report.rejected_frames) +
-                     " frames was accepted; `pleat campaign status` names the reasons");
+                     " frames was accepted; `pleat simulate` names the reasons");
   }
   for (const std::string& name : config.held_out_motions) {
     const bool is_known =
@@ -290,6 +292,10 @@ DatasetReport make_dataset(const DatasetInputs& inputs, const EncodeConfig& conf
 
   DatasetContents contents;
   contents.garments = read_garments(inputs.garment_files);
+  if (config.held_out_designs) {
+    for (garment::Garment& garment : contents.garments)
+      garment.design.is_held_out = contains(*config.held_out_designs, garment.design.name);
+  }
   const garment::GarmentTopology topology = contents.garments.front().topology;
   UvLayout layout = make_uv_layout(topology, config.texture_size);
   contents.texture_size = config.texture_size;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct EncodeConfig {                         // section `encode`
   std::string skinning = "linear";            // or "dual_quaternion"
   int gzip_level = 0;                         // 0 .. 9; 0 reads fastest
   std::vector<std::string> held_out_motions;  // names of sequences that are not trained on
+  // Names of designs that are not trained on; by default as their garment files say.
+  std::optional<std::vector<std::string>> held_out_designs;
 };
 void validate(const EncodeConfig& config);  // throws InputError naming the key
 
