@@ -6,6 +6,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <system_error>
+#include <tuple>
 
 #include "app/report_page.h"
 #include "app/stage_log.h"
@@ -23,26 +26,6 @@
 
 namespace pleat::app {
 namespace {
-
-campaign::Campaign campaign_of(const StudyConfig& study) {
-  campaign::Campaign campaign;
-  campaign.designs = study.designs;
-  for (const std::vector<double>& shape : study.shapes)
-    campaign.shapes.push_back(Eigen::Map<const Eigen::VectorXd>(shape.data(), shape.size()));
-  for (const MotionEntry& entry : study.motions) {
-    campaign::MotionSource source{entry.name, entry.file, study.motion, ""};
-    source.config.start_s = entry.start_s;
-    source.config.duration_s = entry.duration_s;
-    source.settings = motion_settings(source.config);
-    campaign.motions.push_back(source);
-  }
-  campaign.garment_vertices = study.garment.vertices;
-  campaign.fabric = study.fabric;
-  campaign.simulation = study.simulation;
-  campaign.body_file = study.body.file;
-  campaign.settings = drape_settings(study);
-  return campaign;
-}
 
 std::string format(const char* pattern, double a, double b = 0) {
   char text[160];
@@ -77,7 +60,11 @@ class Pipeline {
     sample_key_ = sha256(train_key_ + sample_settings(study));
     evaluate_key_ = sha256(sample_key_ + evaluate_settings(study));
     report_key_ = sha256(evaluate_key_ + report_settings(study));
-    std::filesystem::create_directories(study.output);
+    if (!log_.find("dress", campaign_key_, in_output("garments")))
+      campaign::check_inputs(campaign_);  // before anything is written
+    std::error_code error;
+    std::filesystem::create_directories(study.output, error);
+    if (error) throw InputError("output: " + study.output + ": " + error.message());
     write_file_atomically(in_output("config.yaml"), to_yaml(study));
     campaign::write_manifest(in_output("manifest.json"), campaign_, manifest_);
   }
@@ -257,6 +244,26 @@ class Pipeline {
 };
 
 }  // namespace
+
+campaign::Campaign campaign_of(const StudyConfig& study) {
+  campaign::Campaign campaign;
+  campaign.designs = study.designs;
+  for (const std::vector<double>& shape : study.shapes)
+    campaign.shapes.push_back(Eigen::Map<const Eigen::VectorXd>(shape.data(), shape.size()));
+  for (const MotionEntry& entry : study.motions) {
+    campaign::MotionSource source{entry.name, entry.file, study.motion, ""};
+    source.config.start_s = entry.start_s;
+    source.config.duration_s = entry.duration_s;
+    source.settings = motion_settings(source.config);
+    campaign.motions.push_back(source);
+  }
+  campaign.garment_vertices = study.garment.vertices;
+  campaign.fabric = study.fabric;
+  campaign.simulation = study.simulation;
+  campaign.body_file = study.body.file;
+  campaign.settings = drape_settings(study);
+  return campaign;
+}
 
 bool run_stages(const StudyConfig& study, Stage last) { return Pipeline(study).run(last); }
 

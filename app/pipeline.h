@@ -9,6 +9,9 @@ namespace pleat::app {
 
 enum class Stage { kDress, kSimulate, kEncode, kTrain, kSample, kEvaluate, kReport };
 
+// The drapes that a study asks for.
+campaign::Campaign campaign_of(const StudyConfig& study);
+
 // Runs the stages up to and including `last`. A stage whose inputs have not changed since it
 // finished is skipped; one that was interrupted goes on where it stopped. False where the user
 // interrupted (Ctrl-C).

@@ -18,9 +18,14 @@ std::optional<StageRecord> StageLog::find(const std::string& stage, const std::s
                                           const std::string& file) const {
   std::ifstream stream(path(stage));
   const nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
-  if (!json.is_object() || json.value("key", "") != key || !std::filesystem::exists(file))
+  StageRecord record;
+  try {
+    record = {json.at("key"), json.at("seconds"), json.at("summary")};
+  } catch (const nlohmann::json::exception&) {  // damaged: the stage runs again
     return std::nullopt;
-  return StageRecord{key, json.value("seconds", 0.0), json.value("summary", "")};
+  }
+  if (record.key != key || !std::filesystem::exists(file)) return std::nullopt;
+  return record;
 }
 
 void StageLog::write(const std::string& stage, const StageRecord& record) const {

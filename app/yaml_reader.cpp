@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <vector>
 
@@ -207,8 +208,10 @@ class Reader {
   }
 
   void finish() const {
+    std::set<std::string> seen;
     for (const auto& item : node_) {
       const std::string key = item.first.as<std::string>("");
+      if (!seen.insert(key).second) fail(item.first, name(key), "is given twice");
       if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
       const auto nearest =
           std::min_element(known_.begin(), known_.end(), [&](const auto& a, const auto& b) {
@@ -309,9 +312,28 @@ YAML::Node load(const std::string& path) {
 }
 
 void Reader::read_design_file(const std::string& path, std::vector<garment::Design>& designs) {
-  Reader reader(load(path), path, "");
-  reader("designs", designs);
+  const YAML::Node root = load(path);
+  Reader reader(root, path, "");
+  reader.known_.push_back("designs");
+  const YAML::Node list = root["designs"];
+  if (list) reader.read<garment::Design>(list, "designs", designs);  // itself, not a further file
   reader.finish();
+}
+
+// "path:line: " of the value that a message such as "motion.frame_rate_hz = 0; ..." is about; only
+// the path where the file does not have it.
+std::string place_of(const std::string& message, const YAML::Node& root, const std::string& path) {
+  constexpr const char* kKeyLetters =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.";
+  std::istringstream keys(message.substr(0, message.find_first_not_of(kKeyLetters)));
+  YAML::Node node = root;
+  for (std::string key; std::getline(keys, key, '.');) {
+    const YAML::Node& map = node;
+    const YAML::Node child = map.IsMap() ? map[key] : YAML::Node(YAML::NodeType::Undefined);
+    if (!child) return path + ": ";
+    node.reset(child);
+  }
+  return path + ":" + std::to_string(node.Mark().line + 1) + ": ";
 }
 
 // Writes every key with its value.
@@ -369,8 +391,9 @@ std::string section(const std::string& name, const std::string& text) {
 
 StudyConfig read_study(const std::string& path) {
   StudyConfig study;
+  const YAML::Node root = load(path);
   try {
-    Reader reader(load(path), path, "");
+    Reader reader(root, path, "");
     fields(reader, study);
     reader.finish();
   } catch (const YAML::Exception& e) {
@@ -380,12 +403,15 @@ StudyConfig read_study(const std::string& path) {
     if (motion.name.empty()) motion.name = std::filesystem::path(motion.file).stem().string();
     if (motion.held_out) study.encode.held_out_motions.push_back(motion.name);
   }
+  study.encode.held_out_designs.emplace();
+  for (const garment::Design& design : study.designs)
+    if (design.is_held_out) study.encode.held_out_designs->push_back(design.name);
   study.train.seed = study.train_design.seed = study.sample.seed = study.seed;
   study.train.threads = study.train_design.threads = study.sample.threads = study.threads;
   try {
     validate(study);
   } catch (const InputError& e) {
-    throw InputError(path + ": " + e.what());
+    throw InputError(place_of(e.what(), root, path) + e.what());
   }
   return study;
 }

@@ -61,6 +61,13 @@ void count_frames(const garment::Clip& clip, RunReport& report) {
 
 }  // namespace
 
+void check_inputs(const Campaign& campaign) {
+  const body::BodyModel model = body::read_body(campaign.body_file);
+  for (const Eigen::VectorXd& shape : campaign.shapes) body::shape_body(model, shape);
+  for (const MotionSource& source : campaign.motions)
+    body::load_motion(source.file, model, source.config);
+}
+
 RunReport settle_garments(const Campaign& campaign, const Manifest& manifest,
                           const std::string& folder, uint64_t seed, int threads) {
   std::filesystem::create_directories(folder + "/garments");

@@ -17,6 +17,10 @@ struct RunReport {
   bool is_interrupted = false;  // by the user: run again to go on
 };
 
+// Reads the body, every motion and every shape as the runs below will, so that a bad one is known
+// before hours of work. InputError.
+void check_inputs(const Campaign& campaign);
+
 // Each design, sewn and settled on the mean body: folder/garments/<key>.h5. threads 0: all cores,
 // one garment each.
 RunReport settle_garments(const Campaign& campaign, const Manifest& manifest,
