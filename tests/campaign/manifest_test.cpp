@@ -1,0 +1,184 @@
+#include "campaign/manifest.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "tests/campaign/campaign_files.h"
+#include "tests/core/input_error.h"
+
+namespace pleat::campaign {
+namespace {
+
+// "motion/design/shape" -> key; of garments "design" -> key.
+using Keys = std::map<std::string, std::string>;
+
+Keys keys_of(const Campaign& campaign) {
+  const Manifest manifest = plan(campaign);
+  Keys keys;
+  for (size_t d = 0; d < campaign.designs.size(); ++d)
+    keys[campaign.designs[d].name] = manifest.garment_keys.at(d);
+  for (const Chain& chain : manifest.chains)
+    keys[campaign.motions.at(chain.motion).name + "/" + campaign.designs.at(chain.design).name +
+         "/" + std::to_string(chain.shape)] = chain.key;
+  return keys;
+}
+
+// Names whose keys differ between two plans, or which only one of them has.
+std::set<std::string> changed(const Keys& before, const Keys& after) {
+  std::set<std::string> names;
+  for (const auto& [name, key] : before)
+    if (after.count(name) == 0 || after.at(name) != key) names.insert(name);
+  for (const auto& [name, key] : after)
+    if (before.count(name) == 0) names.insert(name);
+  return names;
+}
+
+// Names that hold any of the parts.
+std::set<std::string> with(const Keys& keys, const std::string& part) {
+  std::set<std::string> names;
+  for (const auto& [name, key] : keys)
+    if (name.find(part) != std::string::npos) names.insert(name);
+  return names;
+}
+
+std::set<std::string> all(const Keys& keys) { return with(keys, ""); }
+
+std::set<std::string> chains(const Keys& keys) { return with(keys, "/"); }
+
+TEST(Manifest, HasEveryCombinationOnceInOrder) {
+  const CampaignFiles files;
+  const Manifest manifest = plan(files.campaign);
+  EXPECT_EQ(manifest.garment_keys.size(), 2u);
+  ASSERT_EQ(manifest.chains.size(), 8u);
+  std::set<std::string> keys(manifest.garment_keys.begin(), manifest.garment_keys.end());
+  for (int i = 0; i < 8; ++i) {
+    const Chain& chain = manifest.chains[i];
+    EXPECT_EQ(chain.motion, i / 4);
+    EXPECT_EQ(chain.design, i / 2 % 2);
+    EXPECT_EQ(chain.shape, i % 2);
+    keys.insert(chain.key);
+  }
+  EXPECT_EQ(keys.size(), 10u);
+  for (const std::string& key : keys) EXPECT_THAT(key, testing::MatchesRegex("[0-9a-f]+"));
+}
+
+TEST(Manifest, KeysFollowContentNotPlace) {
+  const CampaignFiles here, there;
+  EXPECT_NE(here.campaign.body_file, there.campaign.body_file);
+  EXPECT_EQ(keys_of(here.campaign), keys_of(there.campaign));
+  EXPECT_EQ(keys_of(here.campaign), keys_of(here.campaign));
+}
+
+TEST(Manifest, KeysChangeWithWhatTheyDependOnAndNothingElse) {
+  const CampaignFiles files;
+  const Campaign& base = files.campaign;
+  const Keys keys = keys_of(base);
+  const auto changed_by = [&](const std::function<void(Campaign&)>& change) {
+    Campaign campaign = base;
+    change(campaign);
+    return changed(keys, keys_of(campaign));
+  };
+  EXPECT_EQ(changed_by([](Campaign& c) { c.designs[0].length += 1e-15; }), with(keys, "tee"));
+  EXPECT_EQ(changed_by([](Campaign& c) { c.designs[0].sleeve = 0.3; }), with(keys, "tee"));
+  EXPECT_EQ(changed_by([](Campaign& c) { c.designs[1].cleavage = 0.3; }), with(keys, "dress"));
+  EXPECT_EQ(changed_by([](Campaign& c) { std::swap(c.designs[0].length, c.designs[1].length); }),
+            all(keys));
+  EXPECT_EQ(changed_by([](Campaign& c) { c.shapes[1][1] = -0.5; }), with(keys, "/1"));
+  EXPECT_EQ(changed_by([](Campaign& c) { c.shapes[1].conservativeResize(1); }), with(keys, "/1"));
+  EXPECT_EQ(changed_by([](Campaign& c) { c.motions[0].settings += "start_s: 1\n"; }),
+            with(keys, "walk/"));
+  EXPECT_EQ(changed_by([](Campaign& c) { c.settings += "friction: 1\n"; }), all(keys));
+  EXPECT_EQ(changed_by([](Campaign& c) { c.garment_vertices = 1200; }), all(keys));
+  // Neither who is trained on, nor where files lie, nor the order of the lists.
+  EXPECT_EQ(changed_by([](Campaign& c) { c.designs[0].is_held_out = true; }),
+            std::set<std::string>{});
+  EXPECT_EQ(changed_by([](Campaign& c) { std::reverse(c.designs.begin(), c.designs.end()); }),
+            std::set<std::string>{});
+  EXPECT_EQ(changed_by([](Campaign& c) { std::reverse(c.motions.begin(), c.motions.end()); }),
+            std::set<std::string>{});
+}
+
+TEST(Manifest, MoreOfAnythingLeavesOtherKeysAsTheyWere) {
+  const CampaignFiles files;
+  const Keys keys = keys_of(files.campaign);
+  Campaign more = files.campaign;
+  more.designs.insert(more.designs.begin(), {"tunic", 0.6, 0.5, 0.2, false});
+  more.shapes.push_back(Eigen::VectorXd::Constant(1, -1));
+  more.motions.insert(more.motions.begin(), {"run", files.campaign.motions[0].file, {}, ""});
+  const Keys after = keys_of(more);
+  EXPECT_EQ(after.size(), 3u + 27u);
+  for (const auto& [name, key] : keys) EXPECT_EQ(after.at(name), key) << name;
+}
+
+TEST(Manifest, KeysFollowTheContentOfFiles) {
+  const CampaignFiles files;
+  const Keys keys = keys_of(files.campaign);
+  write_swing(files.campaign.motions[1].file, 0.3);
+  const Keys moved = keys_of(files.campaign);
+  EXPECT_EQ(changed(keys, moved), with(keys, "jump/"));
+  body::BodyModel body = body::box_body();
+  body.template_vertices *= 1.01;
+  body::write_body(files.campaign.body_file, body);
+  EXPECT_EQ(changed(moved, keys_of(files.campaign)), all(keys));
+}
+
+// A list of numbers must not read the same as another one: 1, 12 and 11, 2.
+TEST(Manifest, KeysTellListsApart) {
+  const CampaignFiles files;
+  Campaign campaign = files.campaign;
+  campaign.shapes = {Vec<2>(1, 12), Vec<2>(11, 2), Vec<1>(112), Vec<3>(1, 1, 2)};
+  const Keys keys = keys_of(campaign);
+  std::set<std::string> different;
+  for (const std::string& name : chains(keys)) different.insert(keys.at(name));
+  EXPECT_EQ(different.size(), 16u);
+}
+
+TEST(Manifest, RefusesNamesGivenTwiceAndMissingFiles) {
+  const CampaignFiles files;
+  Campaign campaign = files.campaign;
+  campaign.designs[1].name = "tee";
+  EXPECT_INPUT_ERROR(plan(campaign), "designs", "'tee'", "twice");
+  campaign = files.campaign;
+  campaign.motions[1].name = "walk";
+  EXPECT_INPUT_ERROR(plan(campaign), "motions", "'walk'", "twice");
+  campaign = files.campaign;
+  campaign.motions[1].file = files.scratch.path("absent.npz");
+  EXPECT_INPUT_ERROR(plan(campaign), "absent.npz");
+  campaign = files.campaign;
+  campaign.body_file = files.scratch.path("nobody.npz");
+  EXPECT_INPUT_ERROR(plan(campaign), "nobody.npz");
+}
+
+TEST(Manifest, IsWrittenWithNamesAndKeys) {
+  CampaignFiles files;
+  files.campaign.designs[1].is_held_out = true;
+  files.campaign.motions[0].name = "walk \"A\"\n";
+  const Manifest manifest = plan(files.campaign);
+  const std::string path = files.scratch.path("manifest.json");
+  write_manifest(path, files.campaign, manifest);
+  std::ifstream stream(path);
+  const nlohmann::json json = nlohmann::json::parse(stream);
+  ASSERT_EQ(json["designs"].size(), 2u);
+  const nlohmann::json& dress = json["designs"][1];
+  EXPECT_EQ(dress["name"], "dress");
+  EXPECT_EQ(dress["length"], 0.9);
+  EXPECT_EQ(dress["sleeve"], 0.5);
+  EXPECT_EQ(dress["cleavage"], 0.4);
+  EXPECT_EQ(dress["held_out"], true);
+  EXPECT_EQ(dress["garment"], manifest.garment_keys[1]);
+  ASSERT_EQ(json["chains"].size(), manifest.chains.size());
+  const nlohmann::json& chain = json["chains"][3];
+  EXPECT_EQ(chain["key"], manifest.chains[3].key);
+  EXPECT_EQ(chain["motion"], "walk \"A\"\n");
+  EXPECT_EQ(chain["design"], "dress");
+  EXPECT_EQ(chain["shape"], nlohmann::json({0.5, 0.5}));
+  EXPECT_EQ(json["chains"][2]["shape"], nlohmann::json::array());
+}
+
+}  // namespace
+}  // namespace pleat::campaign
