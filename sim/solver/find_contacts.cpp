@@ -75,7 +75,7 @@ Touching ContactSearch::find(const Eigen::VectorXd& x, std::vector<Anchor>& anch
   // Where closest points jump between two places, Newton's method would cycle: after a while planes
   // stay with a vertex until it moves farther, the longer the farther.
   constexpr int kPatience = 30;
-  constexpr double kStay = 1e-4;  // m
+  constexpr double kStay = 3e-5;  // m
   const double stay = kStay * std::max(0, ++finds_ - kPatience);
   Touching touching;
   std::vector<Contact> further;
