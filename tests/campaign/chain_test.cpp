@@ -113,7 +113,8 @@ TEST_F(ChainTest, AcceptsEveryFrameOutsideTheBody) {
   }
 }
 
-// The cloth goes with the arms: the ends of its sleeves come down, both alike.
+// The cloth goes with the arms: the ends of its sleeves come down, both alike. The skin there falls
+// by 15 mm a frame; the cloth, which hangs lower under a level arm than under a steep one, by less.
 TEST_F(ChainTest, SleevesFollowTheArms) {
   const Points3& t_pose = dressed_->garment.t_pose;
   const double reach = 0.9 * t_pose.col(0).cwiseAbs().maxCoeff();
@@ -131,8 +132,8 @@ TEST_F(ChainTest, SleevesFollowTheArms) {
   for (const Points3& positions : clip_.positions) {
     ASSERT_EQ(positions.rows(), t_pose.rows());
     ASSERT_TRUE(positions.allFinite());
-    EXPECT_LT(height(positions, 1), left - 0.01);
-    EXPECT_LT(height(positions, -1), right - 0.01);
+    EXPECT_LT(height(positions, 1), left - 0.004);
+    EXPECT_LT(height(positions, -1), right - 0.004);
     left = height(positions, 1);
     right = height(positions, -1);
     EXPECT_NEAR(left, right, 0.01);
