@@ -27,6 +27,7 @@ UNetConfig paper_unet() {
   UNetConfig config;
   config.block_channels = {128, 128, 256, 256, 512, 512};
   config.attention_blocks = {5};
+  config.layers_per_block = 2;
   config.patch = 1;
   config.scale_shift = false;
   return config;
