@@ -1,9 +1,11 @@
 // The program `pleat`: one subcommand a stage.
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 
@@ -166,6 +168,12 @@ int run(int argc, char** argv) {
 }  // namespace pleat::app
 
 int main(int argc, char** argv) {
+  // OpenMP's threads spin at barriers unless told otherwise before the process starts, which slows
+  // learning several-fold where anything else wants a core.
+  if (!std::getenv("OMP_WAIT_POLICY")) {
+    setenv("OMP_WAIT_POLICY", "passive", 1);
+    execv("/proc/self/exe", argv);  // returns only where it fails: then go on as we are
+  }
   spdlog::set_default_logger(spdlog::stderr_color_mt("pleat"));
   spdlog::set_pattern("%H:%M:%S %^%v%$");
   pleat::catch_interrupts();
