@@ -13,7 +13,8 @@ enum class Stage { kDress, kSimulate, kEncode, kTrain, kSample, kEvaluate, kRepo
 campaign::Campaign campaign_of(const StudyConfig& study);
 
 // Runs the stages up to and including `last`. A stage whose inputs have not changed since it
-// finished is skipped; one that was interrupted goes on where it stopped. False where the user
+// finished is skipped; one that was interrupted goes on (clips that were under way
+// start over). False where the user
 // interrupted (Ctrl-C).
 bool run_stages(const StudyConfig& study, Stage last);
 

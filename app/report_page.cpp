@@ -130,7 +130,7 @@ show::Section drapes_section(const encode::Dataset& dataset, const encode::Sampl
   return {"Simulated, encoded, sampled", {drapes, textures}};
 }
 
-// The first accepted frame of each design from three sides.
+// The middle one of each design's frames from three sides.
 show::Section designs_section(const encode::Dataset& dataset, const body::BodyModel& model,
                               const StudyConfig& study, Progress& progress) {
   show::PictureGrid grid;
@@ -158,7 +158,7 @@ show::Section designs_section(const encode::Dataset& dataset, const body::BodyMo
   return {"Designs", {grid}};
 }
 
-std::vector<show::LineChart> loss_charts(const std::string& csv) {
+show::LineChart loss_chart(const std::string& csv) {
   show::Series loss{"training", {}, {}}, validation{"held out", {}, {}};
   std::ifstream stream(csv);
   std::string line;
@@ -185,7 +185,7 @@ std::vector<show::LineChart> loss_charts(const std::string& csv) {
   chart.y_label = "loss";
   chart.series = {loss, validation};
   chart.has_log_y = true;
-  return {chart};
+  return chart;
 }
 
 show::Table error_table(const evaluate::Evaluation& evaluation) {
@@ -314,12 +314,9 @@ bool write_report_page(const StudyConfig& study, const ReportInputs& inputs,
             {"of the mean texture", format_number(all.mean_texture.mean_mm) + " mm"}}}}});
   page.sections.push_back(drapes_section(dataset, samples, model, study, inputs, progress));
   page.sections.push_back(designs_section(dataset, model, study, progress));
-  show::Section learning{"Learning", {}};
-  for (const show::LineChart& chart : loss_charts(inputs.loss_csv))
-    learning.blocks.push_back(chart);
-  learning.blocks.push_back(frame_errors(evaluation));
-  learning.blocks.push_back(error_table(evaluation));
-  page.sections.push_back(learning);
+  page.sections.push_back(
+      {"Learning",
+       {loss_chart(inputs.loss_csv), frame_errors(evaluation), error_table(evaluation)}});
   page.sections.push_back({"Simulation", {drapes.table}});
   page.sections.push_back(
       {"Run", {timing_table(inputs), show::Details{"Configuration", to_yaml(study)}}});

@@ -31,7 +31,7 @@ body::Motion arms_down() {
   return motion;
 }
 
-// So coarse a mesh cuts the body's corners: it keeps 6 mm off instead of 3.
+// So coarse a mesh cuts the body's corners: it keeps 6 mm off instead of 4.
 SimulationConfig coarse() {
   SimulationConfig config;
   config.contact.distance_m = 0.006;

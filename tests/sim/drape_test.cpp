@@ -4,23 +4,10 @@
 
 #include <cmath>
 
-#include "core/mesh.h"
+#include "tests/core/shapes.h"
 
 namespace pleat::sim {
 namespace {
-
-// A sphere by subdividing the octahedron; closed and outward.
-TriangleMesh sphere(double radius, int levels) {
-  TriangleMesh mesh;
-  mesh.vertices.resize(6, 3);
-  mesh.vertices << 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1;
-  mesh.faces.resize(8, 3);
-  mesh.faces << 0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5;
-  for (int i = 0; i < levels; ++i) mesh = subdivide(mesh);
-  mesh.vertices.rowwise().normalize();
-  mesh.vertices *= radius;
-  return mesh;
-}
 
 struct Sheet {
   Points2 rest;
@@ -60,7 +47,7 @@ struct Draped {
 };
 
 Draped drape_over_sphere(int cells) {
-  const TriangleMesh ball = sphere(0.15, 4);
+  const TriangleMesh ball = make_sphere(4, 0.15);
   const BodyCollider collider(ball.vertices, ball.faces);
   const Sheet square = sheet(0.5, cells, 0.155);
   const garment::FabricConfig fabric;
@@ -90,7 +77,7 @@ TEST(Drape, SquareOverSphereSettlesOutside) {
 TEST(Drape, SettlingAgainMovesNothing) {
   const Draped d = drape_over_sphere(16);
   ASSERT_TRUE(d.result.has_converged);
-  const TriangleMesh ball = sphere(0.15, 4);
+  const TriangleMesh ball = make_sphere(4, 0.15);
   const BodyCollider collider(ball.vertices, ball.faces);
   DrapeState again = d.state;
   Cholesky factor(d.cloth.bending_hessian);

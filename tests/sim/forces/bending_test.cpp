@@ -44,8 +44,8 @@ TEST(Bending, KnowsNoSignOfCurvature) {
 }
 
 // Energy of an equilateral lattice of spacing h wound on a cylinder of radius R, over that of the
-// plate, B / (2 R^2) a unit of area. Only hinges whose corners all lie well inside count, each for
-// a third of its two faces.
+// plate, B / (2 R^2) a unit of area. Each hinge counts for a third of
+// its two faces.
 double cylinder_energy_ratio(double h, double axis_angle) {
   const double radius = 0.1, rigidity = 2e-6;
   const int side = static_cast<int>(0.2 / h);
@@ -81,7 +81,8 @@ double cylinder_energy_ratio(double h, double axis_angle) {
   return sum / area / (rigidity / (2 * radius * radius));
 }
 
-// Chords are shorter than arcs by (h/R)^2/24, hence the tolerance.
+// The lattice's outline leaves its three directions with unequal numbers of hinges, an error that
+// falls with h, hence the tolerances.
 TEST(Bending, CylinderHoldsTheEnergyOfThePlateInEveryDirection) {
   for (double angle : {0.0, 0.2, 0.5236, 0.9, 1.5708}) {
     EXPECT_NEAR(cylinder_energy_ratio(0.01, angle), 1, 0.06) << angle;
