@@ -5,6 +5,7 @@
 
 #include "core/hdf5_file.h"
 #include "garment/design.h"
+#include "garment/fabric.h"
 
 namespace pleat::garment {
 
@@ -27,5 +28,9 @@ Matrix read_reals(const Hdf5File& file, const std::string& name, int64_t rows) {
 // A design, as attributes of the file.
 void write_design(Hdf5File& file, const Design& design);
 Design read_design(const Hdf5File& file);
+
+// A fabric, as attributes and, where it is measured, its two tables.
+void write_fabric(Hdf5File& file, const Fabric& fabric);
+Fabric read_fabric(const Hdf5File& file);
 
 }  // namespace pleat::garment

@@ -85,6 +85,7 @@ void write_clip(const std::string& path, const Clip& clip, const std::string& ke
   file.write_attribute("/", "motion_name", clip.motion_name);
   file.write_attribute("/", "frame_rate_hz", clip.frame_rate_hz);
   write_design(file, clip.design);
+  write_fabric(file, clip.fabric);
   write_provenance(file, provenance);
   file.commit();
 }
@@ -93,6 +94,7 @@ Clip read_clip(const std::string& path) {
   const Hdf5File file = Hdf5File::open(path);
   Clip clip;
   clip.design = read_design(file);
+  clip.fabric = read_fabric(file);
   clip.motion_name = file.text_attribute("/", "motion_name");
   clip.frame_rate_hz = file.number_attribute("/", "frame_rate_hz");
   if (!(clip.frame_rate_hz > 0) || !std::isfinite(clip.frame_rate_hz))

@@ -9,6 +9,7 @@
 #include "core/provenance.h"
 #include "core/types.h"
 #include "garment/design.h"
+#include "garment/fabric.h"
 
 namespace pleat::garment {
 
@@ -28,6 +29,7 @@ struct Certificate {
 
 struct Clip {
   Design design;
+  Fabric fabric;
   std::string motion_name;
   double frame_rate_hz = 30;
   Eigen::VectorXd shape;                  // beta

@@ -4,11 +4,9 @@
 
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <regex>
 #include <set>
 
-#include "garment/fabric.h"
 #include "tests/core/input_error.h"
 
 namespace pleat::garment {
@@ -73,24 +71,6 @@ TEST(Design, SeventeenOfTheGridAreInTheConfig) {
   EXPECT_EQ(trained_lengths.size(), 7u);
   EXPECT_EQ(trained_sleeves.size(), 6u);
   EXPECT_EQ(trained_cleavages.size(), 4u);
-}
-
-TEST(Fabric, RefusesWhatNoClothHas) {
-  validate(FabricConfig{});
-  const auto with = [](double FabricConfig::*key, double value) {
-    FabricConfig config;
-    config.*key = value;
-    return config;
-  };
-  EXPECT_INPUT_ERROR(validate(with(&FabricConfig::density_kg_per_m2, 0)),
-                     "fabric.density_kg_per_m2 = 0", "> 0");
-  EXPECT_INPUT_ERROR(validate(with(&FabricConfig::youngs_modulus_N_per_m, -1)),
-                     "fabric.youngs_modulus_N_per_m");
-  EXPECT_INPUT_ERROR(validate(with(&FabricConfig::poisson_ratio, 0.5)), "fabric.poisson_ratio");
-  EXPECT_INPUT_ERROR(validate(with(&FabricConfig::bending_N_m, -1)), "fabric.bending_N_m");
-  EXPECT_INPUT_ERROR(
-      validate(with(&FabricConfig::friction, std::numeric_limits<double>::infinity())),
-      "fabric.friction");
 }
 
 }  // namespace

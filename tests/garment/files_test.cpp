@@ -35,6 +35,8 @@ Clip example_clip() {
   clip.design = {"tee", 0.3, 0.25, 0.2, true};
   clip.motion_name = "walk";
   clip.frame_rate_hz = 15;
+  clip.fabric.friction = 0.35;
+  clip.fabric.membrane = MembraneModel::kNeoHookean;
   clip.shape = Eigen::VectorXd::LinSpaced(10, -1, 1);
   RandomStream random(0, "clip");
   for (int t = 0; t < 3; ++t) {
@@ -122,6 +124,7 @@ TEST(ClipFile, GivesBackWhatWasWritten) {
   EXPECT_EQ(again.design.name, "tee");
   EXPECT_EQ(again.motion_name, "walk");
   EXPECT_EQ(again.frame_rate_hz, 15);
+  EXPECT_EQ(to_text(again.fabric), to_text(clip.fabric));
   EXPECT_EQ(again.shape, clip.shape);
   ASSERT_EQ(again.positions.size(), 3u);
   ASSERT_EQ(again.poses.size(), 3u);
@@ -139,6 +142,21 @@ TEST(ClipFile, GivesBackWhatWasWritten) {
   }
 }
 
+TEST(ClipFile, KeepsAMeasuredFabric) {
+  const Scratch scratch;
+  const std::string path = scratch.path("clip.h5");
+  Clip clip = example_clip();
+  FabricTables tables;
+  for (int r = 0; r < 6; ++r)
+    for (int c = 0; c < 4; ++c) tables.stretching[r][c] = 1 + 4 * r + c;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 5; ++c) tables.bending[r][c] = 1e-6 * (5 * r + c);
+  clip.fabric.tables = tables;
+  clip.fabric.density_kg_per_m2 = 0.3;
+  write_clip(path, clip, "key", {});
+  EXPECT_EQ(to_text(read_clip(path).fabric), to_text(clip.fabric));
+}
+
 TEST(ClipFile, RefusesHostileFiles) {
   const Scratch scratch;
   const std::string path = scratch.path("clip.h5");
@@ -154,6 +172,9 @@ TEST(ClipFile, RefusesHostileFiles) {
   refused([](Clip& c) { c.shape[0] = std::nan(""); }, {"shape"});
   refused([](Clip& c) { c.frame_rate_hz = 0; }, {"frame_rate_hz"});
   refused([](Clip& c) { c.certificates[0].iterations = -1; }, {"certificates"});
+  refused([](Clip& c) { c.fabric.friction = -1; }, {"clip.h5", "friction"});
+  refused([](Clip& c) { c.fabric.bending_N_m = std::nan(""); }, {"bending_N_m"});
+  refused([](Clip& c) { c.fabric.tables = FabricTables{}; }, {"clip.h5", "stretching[0][0]"});
   write_garment(path, example(), {});
   EXPECT_INPUT_ERROR(read_clip(path), "clip.h5");
   EXPECT_INPUT_ERROR(clip_key(path), "clip.h5");
