@@ -57,8 +57,8 @@ double largest_turn(const body::Pose& a, const body::Pose& b) {
 class Chain {
  public:
   Chain(const garment::GarmentTopology& topology, const Points2& panels, const SkinWeights& weights,
-        const body::BodyModel& model, const garment::FabricConfig& fabric,
-        const SimulationConfig& config, const Wearer& start, const Points3& positions)
+        const body::BodyModel& model, const garment::Fabric& fabric, const SimulationConfig& config,
+        const Wearer& start, const Points3& positions)
       : topology_(topology),
         panels_(panels),
         weights_(weights),
@@ -190,10 +190,11 @@ void validate(const SimulationConfig& config) {
 
 garment::Clip simulate(const garment::Garment& garment, const body::BodyModel& model,
                        const Eigen::VectorXd& shape, const body::Motion& motion,
-                       const garment::FabricConfig& fabric, const SimulationConfig& config,
+                       const garment::Fabric& fabric, const SimulationConfig& config,
                        const std::function<bool(const garment::Certificate&)>& on_frame) {
   garment::Clip clip;
   clip.design = garment.design;
+  clip.fabric = fabric;
   clip.motion_name = motion.name;
   clip.frame_rate_hz = motion.frame_rate_hz;
   clip.shape = shape;
@@ -218,7 +219,7 @@ garment::Clip simulate(const garment::Garment& garment, const body::BodyModel& m
 
 garment::Garment settle_garment(const garment::Design& design,
                                 const garment::GarmentTopology& topology,
-                                const body::BodyModel& model, const garment::FabricConfig& fabric,
+                                const body::BodyModel& model, const garment::Fabric& fabric,
                                 const SimulationConfig& config) {
   garment::Garment garment;
   garment.design = design;

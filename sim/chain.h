@@ -29,14 +29,14 @@ void validate(const SimulationConfig& config);
 // InputError where it does not.
 garment::Garment settle_garment(const garment::Design& design,
                                 const garment::GarmentTopology& topology,
-                                const body::BodyModel& model, const garment::FabricConfig& fabric,
+                                const body::BodyModel& model, const garment::Fabric& fabric,
                                 const SimulationConfig& config);
 
 // on_frame is told each finished frame's certificate and answers whether to go on; a clip that was
 // stopped is shorter.
 garment::Clip simulate(const garment::Garment& garment, const body::BodyModel& model,
                        const Eigen::VectorXd& shape, const body::Motion& motion,
-                       const garment::FabricConfig& fabric, const SimulationConfig& config,
+                       const garment::Fabric& fabric, const SimulationConfig& config,
                        const std::function<bool(const garment::Certificate&)>& on_frame);
 
 }  // namespace pleat::sim

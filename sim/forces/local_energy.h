@@ -12,11 +12,13 @@ namespace pleat::sim {
 // exact.
 enum class Order { kValue, kGradient, kProjectedHessian, kHessian };
 
+// Fields above the order that was asked for hold nothing: to clear them would cost more than many
+// an energy.
 template <int N>
 struct LocalEnergy {
-  double value = 0;                  // J
-  Vec<N> gradient = Vec<N>::Zero();  // J/m
-  Mat<N> hessian = Mat<N>::Zero();   // J/m^2
+  double value;     // J
+  Vec<N> gradient;  // J/m
+  Mat<N> hessian;   // J/m^2
 };
 
 // The nearest positive semi-definite matrix in the Frobenius norm: negative eigenvalues to zero.

@@ -15,7 +15,8 @@ struct Weight {
 inline LocalEnergy<3> weight_energy(const Weight& weight, const Vec<3>& x, Order order) {
   LocalEnergy<3> energy;
   energy.value = weight.mass * kGravity * x.y();
-  if (order >= Order::kGradient) energy.gradient.y() = weight.mass * kGravity;
+  if (order >= Order::kGradient) energy.gradient << 0, weight.mass * kGravity, 0;
+  if (order >= Order::kProjectedHessian) energy.hessian.setZero();
   return energy;
 }
 

@@ -35,27 +35,44 @@ void add_vertex_forces(const std::vector<Element>& elements, Energy energy,
 void add_membranes(const Cloth& cloth, const Eigen::VectorXd& x, Order order, System& system) {
   for (size_t e = 0; e < cloth.membranes.size(); ++e) {
     const Membrane& membrane = cloth.membranes[e];
-    const LocalEnergy<9> local = membrane_energy(membrane, gather(x, membrane.vertices), order);
+    const LocalEnergy<9> local =
+        membrane_energy(membrane, cloth.membrane_law, gather(x, membrane.vertices), order);
     system.energy += local.value;
     if (order >= Order::kGradient) add_gradient(local, membrane.vertices, system);
     if (order < Order::kProjectedHessian) continue;
     for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b)
-        system.hessian.block(cloth.membrane_blocks[e][3 * a + b]) +=
-            local.hessian.block<3, 3>(3 * a, 3 * b);
+      for (int b = 0; b < 3; ++b) {
+        double* block = system.hessian.values.data() + 9 * cloth.membrane_blocks[e][3 * a + b];
+        for (int r = 0; r < 3; ++r)  // rows of a symmetric matrix are its columns, which lie in one
+          for (int c = 0; c < 3; ++c) block[3 * r + c] += local.hessian(3 * b + c, 3 * a + r);
+      }
   }
 }
 
 void add_bendings(const Cloth& cloth, const Eigen::VectorXd& x, Order order, System& system) {
-  for (const Bending& bending : cloth.bendings) {
-    const LocalEnergy<12> local =
-        bending_energy(bending, gather(x, bending.vertices), std::min(order, Order::kGradient));
+  // A constant law's Hessian is in the system already.
+  const bool is_measured = cloth.bending_law.is_measured;
+  const Order needed = is_measured ? order : std::min(order, Order::kGradient);
+  for (size_t e = 0; e < cloth.bendings.size(); ++e) {
+    const Bending& bending = cloth.bendings[e];
+    const Vec<3> jump = normal_jump(bending, gather(x, bending.vertices));
+    const LocalEnergy<3> local = jump_energy(bending, cloth.bending_law, jump, needed);
     system.energy += local.value;
-    if (order >= Order::kGradient) add_gradient(local, bending.vertices, system);
+    if (needed < Order::kGradient) continue;
+    for (int a = 0; a < 4; ++a)
+      system.gradient.segment<3>(3 * bending.vertices[a]) += bending.stencil[a] * local.gradient;
+    if (needed < Order::kProjectedHessian) continue;
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b < 4; ++b) {
+        double* block = system.hessian.values.data() + 9 * cloth.bending_blocks[e][4 * a + b];
+        const double scale = bending.stencil[a] * bending.stencil[b];
+        for (int k = 0; k < 9; ++k) block[k] += scale * local.hessian.data()[k];
+      }
   }
 }
 
-BlockMatrix constant_bending_hessian(const std::vector<Bending>& bendings,
+// The pattern of the whole Hessian, with the part of it that no step changes.
+BlockMatrix constant_bending_hessian(const std::vector<Bending>& bendings, const BendingLaw& law,
                                      const std::vector<Membrane>& membranes, int vertex_count) {
   std::vector<std::pair<int, int>> coupled;
   for (const Bending& bending : bendings)
@@ -65,8 +82,9 @@ BlockMatrix constant_bending_hessian(const std::vector<Bending>& bendings,
     for (int a = 0; a < 3; ++a)
       coupled.emplace_back(membrane.vertices[a], membrane.vertices[(a + 1) % 3]);
   BlockMatrix hessian = make_pattern(vertex_count, coupled);
+  if (law.is_measured) return hessian;
   for (const Bending& bending : bendings) {
-    const LocalEnergy<12> local = bending_energy(bending, Vec<12>::Zero(), Order::kHessian);
+    const LocalEnergy<12> local = bending_energy(bending, law, Vec<12>::Zero(), Order::kHessian);
     for (int a = 0; a < 4; ++a)
       for (int b = 0; b < 4; ++b)
         hessian.block(hessian.find(bending.vertices[a], bending.vertices[b])) +=
@@ -79,8 +97,10 @@ BlockMatrix constant_bending_hessian(const std::vector<Bending>& bendings,
 
 Cloth make_cloth(const Faces& faces, const Faces& panel_faces,
                  const Eigen::Ref<const Points2>& panels, int vertex_count,
-                 const garment::FabricConfig& fabric) {
+                 const garment::Fabric& fabric) {
   Cloth cloth;
+  cloth.membrane_law = make_membrane_law(fabric);
+  cloth.bending_law = make_bending_law(fabric);
   cloth.vertex_count = vertex_count;
   cloth.area = Eigen::VectorXd::Zero(vertex_count);
   const auto rest_corner = [&](int face, int corner) -> Vec<2> {
@@ -89,8 +109,7 @@ Cloth make_cloth(const Faces& faces, const Faces& panel_faces,
   for (int f = 0; f < faces.rows(); ++f) {
     cloth.membranes.push_back(
         make_membrane({faces(f, 0), faces(f, 1), faces(f, 2)},
-                      {rest_corner(f, 0), rest_corner(f, 1), rest_corner(f, 2)},
-                      fabric.youngs_modulus_N_per_m, fabric.poisson_ratio));
+                      {rest_corner(f, 0), rest_corner(f, 1), rest_corner(f, 2)}));
     for (int c = 0; c < 3; ++c) cloth.area[faces(f, c)] += cloth.membranes.back().area / 3;
   }
   for (int v = 0; v < vertex_count; ++v) {
@@ -111,15 +130,24 @@ Cloth make_cloth(const Faces& faces, const Faces& panel_faces,
     }
     cloth.bendings.push_back(
         make_bending({edge.vertices[0], edge.vertices[1], edge.opposite[0], edge.opposite[1]},
-                     rest[0], rest[1], fabric.bending_N_m));
+                     rest[0], rest[1]));
   }
-  cloth.bending_hessian = constant_bending_hessian(cloth.bendings, cloth.membranes, vertex_count);
+  cloth.bending_hessian =
+      constant_bending_hessian(cloth.bendings, cloth.bending_law, cloth.membranes, vertex_count);
   for (const Membrane& membrane : cloth.membranes) {
     std::array<int, 9> blocks;
     for (int a = 0; a < 3; ++a)
       for (int b = 0; b < 3; ++b)
         blocks[3 * a + b] = cloth.bending_hessian.find(membrane.vertices[a], membrane.vertices[b]);
     cloth.membrane_blocks.push_back(blocks);
+  }
+  if (!cloth.bending_law.is_measured) return cloth;
+  for (const Bending& bending : cloth.bendings) {
+    std::array<int, 16> blocks;
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b < 4; ++b)
+        blocks[4 * a + b] = cloth.bending_hessian.find(bending.vertices[a], bending.vertices[b]);
+    cloth.bending_blocks.push_back(blocks);
   }
   return cloth;
 }

@@ -21,17 +21,21 @@ struct Cloth {
   std::vector<Weight> weights;
   std::vector<Membrane> membranes;
   std::vector<Bending> bendings;
+  MembraneLaw membrane_law;
+  BendingLaw bending_law;
   std::vector<std::array<int, 9>>
-      membrane_blocks;          // where each element's blocks (a, b) go, row-major in a
-  BlockMatrix bending_hessian;  // constant; its pattern is the Hessian's
+      membrane_blocks;  // where each element's blocks (a, b) go, row-major in a
+  std::vector<std::array<int, 16>> bending_blocks;  // the same; empty where the law is constant
+  BlockMatrix bending_hessian;  // of a constant law, else zero; its pattern is the Hessian's
   double total_weight = 0;      // N
 };
 
 // faces: into the sewn vertices; panel_faces: the same faces into `panels`, m, flat.
-// Bending acts across seams too, each side measured in its own panel.
+// Bending acts across seams too, each side measured in its own panel. Panel axis 0 is the fabric's
+// weft, axis 1 its warp.
 Cloth make_cloth(const Faces& faces, const Faces& panel_faces,
                  const Eigen::Ref<const Points2>& panels, int vertex_count,
-                 const garment::FabricConfig& fabric);
+                 const garment::Fabric& fabric);
 
 // The touching vertices of one configuration, frozen within a solver iteration.
 struct Touching {

@@ -50,7 +50,7 @@ Draped drape_over_sphere(int cells) {
   const TriangleMesh ball = make_sphere(4, 0.15);
   const BodyCollider collider(ball.vertices, ball.faces);
   const Sheet square = sheet(0.5, cells, 0.155);
-  const garment::FabricConfig fabric;
+  const garment::Fabric fabric;
   Draped d{make_cloth(square.faces, square.faces, square.rest, square.rest.rows(), fabric), {}, {}};
   d.state.x = square.x;
   d.state.anchors.resize(square.rest.rows());
