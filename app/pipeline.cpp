@@ -261,7 +261,8 @@ campaign::Campaign campaign_of(const StudyConfig& study) {
   campaign.fabric = study.fabric;
   campaign.simulation = study.simulation;
   campaign.body_file = study.body.file;
-  campaign.settings = drape_settings(study);
+  campaign.settings = simulation_settings(study);
+  campaign.seed = study.seed;
   return campaign;
 }
 

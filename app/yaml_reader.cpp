@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <vector>
@@ -49,11 +50,16 @@ void fields(V& visit, GarmentConfig& c) {
 }
 template <typename V>
 void fields(V& visit, garment::FabricConfig& c) {
+  visit("file", c.file);
+  visit("name", c.name);
+  visit("membrane", c.membrane);
   visit("density_kg_per_m2", c.density_kg_per_m2);
   visit("youngs_modulus_N_per_m", c.youngs_modulus_N_per_m);
   visit("poisson_ratio", c.poisson_ratio);
   visit("bending_N_m", c.bending_N_m);
   visit("friction", c.friction);
+  visit("stretching_scale", c.stretching_scale);
+  visit("bending_scale", c.bending_scale);
 }
 template <typename V>
 void fields(V& visit, sim::NewtonConfig& c) {
@@ -259,6 +265,20 @@ class Reader {
   void read(const YAML::Node& node, const std::string& key, std::string& value) const {
     scalar(node, key, value, "a text");
   }
+  void read(const YAML::Node& node, const std::string& key, garment::Range& range) const {
+    if (!node.IsSequence()) {
+      scalar(node, key, range.low, "a number, or a range [low, high]");
+      range.high = range.low;
+      return;
+    }
+    if (node.size() != 2) fail(node, key, "is a list; expected a number, or a range [low, high]");
+    read(node[0], key + "[0]", range.low);
+    read(node[1], key + "[1]", range.high);
+  }
+  template <typename T>
+  void read(const YAML::Node& node, const std::string& key, std::optional<T>& value) const {
+    read(node, key, value.emplace());
+  }
   template <typename T>
   void read(const YAML::Node& node, const std::string& key, std::vector<T>& values) const {
     if (!node.IsSequence()) fail(node, key, "is not a list");
@@ -345,6 +365,10 @@ class Writer {
     out_ << YAML::Key << key << YAML::Value;
     write(value);
   }
+  template <typename T>
+  void operator()(const std::string& key, std::optional<T>& value) {
+    if (value) (*this)(key, *value);
+  }
   void finish() { out_ << YAML::EndMap; }
 
  private:
@@ -354,6 +378,12 @@ class Writer {
   void write(int64_t value) { out_ << value; }
   void write(uint64_t value) { out_ << value; }
   void write(bool value) { out_ << value; }
+  void write(garment::Range& range) {
+    if (range.low == range.high)
+      out_ << range.low;
+    else
+      out_ << YAML::Flow << YAML::BeginSeq << range.low << range.high << YAML::EndSeq;
+  }
   template <typename T>
   void write(std::vector<T>& values) {
     if constexpr (std::is_arithmetic_v<T>) out_ << YAML::Flow;
@@ -409,6 +439,7 @@ StudyConfig read_study(const std::string& path) {
   study.train.seed = study.train_design.seed = study.sample.seed = study.seed;
   study.train.threads = study.train_design.threads = study.sample.threads = study.threads;
   try {
+    garment::complete(study.fabric);
     validate(study);
   } catch (const InputError& e) {
     throw InputError(place_of(e.what(), root, path) + e.what());
@@ -418,9 +449,8 @@ StudyConfig read_study(const std::string& path) {
 
 std::string to_yaml(const StudyConfig& study) { return text_of(study); }
 
-std::string drape_settings(const StudyConfig& study) {
-  return section("fabric", text_of(study.fabric)) +
-         section("simulation", text_of(study.simulation));
+std::string simulation_settings(const StudyConfig& study) {
+  return section("simulation", text_of(study.simulation));
 }
 std::string motion_settings(const body::MotionConfig& config) {
   MotionEntry cut;

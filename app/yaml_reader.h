@@ -15,8 +15,8 @@ StudyConfig read_study(const std::string& path);
 // takes.
 std::string to_yaml(const StudyConfig& study);
 
-// The same of what drapes depend on: fabric and simulation; and of a motion's cleaning and cut.
-std::string drape_settings(const StudyConfig& study);
+// The same of what drapes depend on beside their fabric; and of a motion's cleaning and cut.
+std::string simulation_settings(const StudyConfig& study);
 std::string motion_settings(const body::MotionConfig& config);
 // And of single sections, for the keys of the stages behind.
 std::string encode_settings(const StudyConfig& study);

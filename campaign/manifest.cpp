@@ -12,7 +12,7 @@ namespace pleat::campaign {
 namespace {
 
 // Raised by hand when the numbers that simulation gives change for the same configuration.
-constexpr int kNumericsVersion = 1;
+constexpr int kNumericsVersion = 2;
 
 constexpr size_t kKeyLength = 16;  // hexadecimal digits, 64 bits
 
@@ -26,6 +26,18 @@ std::string key_of(const std::vector<std::string>& parts) {
   std::string text;
   for (const std::string& part : parts) text += std::to_string(part.size()) + ":" + part + "\n";
   return sha256(text).substr(0, kKeyLength);
+}
+
+// Of a measured fabric without its tables, which the clip holds.
+nlohmann::ordered_json numbers_of(const garment::Fabric& fabric) {
+  nlohmann::ordered_json json = {{"density_kg_per_m2", fabric.density_kg_per_m2},
+                                 {"friction", fabric.friction}};
+  if (fabric.tables) return json;
+  json["membrane"] = garment::name_of(fabric.membrane);
+  json["youngs_modulus_N_per_m"] = fabric.youngs_modulus_N_per_m;
+  json["poisson_ratio"] = fabric.poisson_ratio;
+  json["bending_N_m"] = fabric.bending_N_m;
+  return json;
 }
 
 template <typename Named>
@@ -43,10 +55,11 @@ Manifest plan(const Campaign& campaign) {
   check_names(campaign.designs, "designs");
   check_names(campaign.motions, "motions");
   const std::string body = sha256_of_file(campaign.body_file);
+  const std::string settled = garment::to_text(garment::middle_fabric(campaign.fabric));
   Manifest manifest;
   for (const garment::Design& design : campaign.designs)
     manifest.garment_keys.push_back(
-        key_of({"garment", std::to_string(kNumericsVersion), body, campaign.settings,
+        key_of({"garment", std::to_string(kNumericsVersion), body, settled, campaign.settings,
                 std::to_string(campaign.garment_vertices), design.name, exact(design.length),
                 exact(design.sleeve), exact(design.cleavage)}));
   for (size_t m = 0; m < campaign.motions.size(); ++m) {
@@ -55,11 +68,14 @@ Manifest plan(const Campaign& campaign) {
       for (size_t s = 0; s < campaign.shapes.size(); ++s) {
         std::string shape;
         for (double beta : campaign.shapes[s]) shape += exact(beta) + " ";
+        const garment::Fabric fabric = garment::draw_fabric(
+            campaign.fabric, campaign.seed,
+            campaign.motions[m].name + "/" + campaign.designs[d].name + "/" + shape);
         const std::string key =
             key_of({"chain", manifest.garment_keys[d], shape, campaign.motions[m].name, motion,
-                    campaign.motions[m].settings});
+                    campaign.motions[m].settings, garment::to_text(fabric)});
         manifest.chains.push_back(
-            {key, static_cast<int>(d), static_cast<int>(s), static_cast<int>(m)});
+            {key, static_cast<int>(d), static_cast<int>(s), static_cast<int>(m), fabric});
       }
   }
   return manifest;
@@ -90,7 +106,8 @@ void write_manifest(const std::string& path, const Campaign& campaign, const Man
                               {"motion", campaign.motions[chain.motion].name},
                               {"design", campaign.designs[chain.design].name},
                               {"shape", std::vector<double>(campaign.shapes[chain.shape].begin(),
-                                                            campaign.shapes[chain.shape].end())}});
+                                                            campaign.shapes[chain.shape].end())},
+                              {"fabric", numbers_of(chain.fabric)}});
   write_file_atomically(path, json.dump(2) + "\n");
 }
 

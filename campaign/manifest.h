@@ -27,12 +27,14 @@ struct Campaign {
   garment::FabricConfig fabric;
   sim::SimulationConfig simulation;
   std::string body_file;
-  std::string settings;  // effective configuration of fabric and simulation as text, for the keys
+  std::string settings;  // effective configuration of the simulation as text, for the keys
+  uint64_t seed = 1;     // of fabrics that are drawn
 };
 
 struct Chain {
   std::string key;  // hash of everything that the drapes depend on
   int design = 0, shape = 0, motion = 0;
+  garment::Fabric fabric;  // drawn for this chain; its garment settled in the middle of the ranges
 };
 
 struct Manifest {
@@ -40,8 +42,8 @@ struct Manifest {
   std::vector<Chain> chains;              // sorted by motion, design, shape
 };
 
-// Hashes the body and the motion files. InputError where one is missing, or two motions or designs
-// share a name.
+// Hashes the body and the motion files, and draws the fabrics. InputError where one is missing, or
+// two motions or designs share a name.
 Manifest plan(const Campaign& campaign);
 
 std::string garment_path(const std::string& folder, const std::string& key);

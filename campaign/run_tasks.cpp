@@ -81,13 +81,15 @@ RunReport settle_garments(const Campaign& campaign, const Manifest& manifest,
 
   const body::BodyModel model = body::read_body(campaign.body_file);
   const garment::GarmentTopology topology = garment::make_topology(campaign.garment_vertices);
-  const Provenance provenance = provenance_of(campaign, "dress", campaign.settings, seed);
+  const garment::Fabric fabric = garment::middle_fabric(campaign.fabric);
+  const Provenance provenance =
+      provenance_of(campaign, "dress", garment::to_text(fabric) + campaign.settings, seed);
   Progress progress("dress", static_cast<int64_t>(missing.size()), "garments");
   std::mutex mutex;
   for_each_task(static_cast<int>(missing.size()), threads, [&](int i) {
     const garment::Design& design = campaign.designs[missing[i]];
     const garment::Garment garment =
-        sim::settle_garment(design, topology, model, campaign.fabric, campaign.simulation);
+        sim::settle_garment(design, topology, model, fabric, campaign.simulation);
     garment::write_garment(garment_path(folder, manifest.garment_keys[missing[i]]), garment,
                            provenance);
     const std::lock_guard<std::mutex> lock(mutex);
@@ -138,10 +140,12 @@ RunReport run_chains(const Campaign& campaign, const Manifest& manifest, const s
     };
     const body::Motion& motion = motions[chain.motion];
     const garment::Clip clip = sim::simulate(garment, model, campaign.shapes[chain.shape], motion,
-                                             campaign.fabric, campaign.simulation, on_frame);
+                                             chain.fabric, campaign.simulation, on_frame);
     if (clip.positions.size() < motion.frames.size()) return;  // interrupted
-    Provenance provenance = provenance_of(
-        campaign, "simulate", campaign.settings + campaign.motions[chain.motion].settings, seed);
+    Provenance provenance = provenance_of(campaign, "simulate",
+                                          garment::to_text(chain.fabric) + campaign.settings +
+                                              campaign.motions[chain.motion].settings,
+                                          seed);
     provenance.inputs["motion"] = sha256_of_file(campaign.motions[chain.motion].file);
     garment::write_clip(shard_path(folder, chain.key), clip, chain.key, provenance);
     const std::lock_guard<std::mutex> lock(mutex);

@@ -46,7 +46,8 @@ TEST(YamlReader, ReadsTheQuickstart) {
   EXPECT_TRUE(study.designs[3].is_held_out);
   EXPECT_THAT(study.shapes, ElementsAre(ElementsAre()));
   EXPECT_NE(study.train.max_minutes, learn::TrainConfig{}.max_minutes);
-  EXPECT_EQ(study.fabric.density_kg_per_m2, garment::FabricConfig{}.density_kg_per_m2);
+  EXPECT_EQ(garment::middle_fabric(study.fabric).density_kg_per_m2,
+            garment::Fabric{}.density_kg_per_m2);
 }
 
 TEST(YamlReader, EffectiveConfigurationReadsBackTheSame) {
@@ -57,7 +58,8 @@ TEST(YamlReader, EffectiveConfigurationReadsBackTheSame) {
       "{file: 'C:\\walk.npz', name: 'yes'}]\n"
       "shapes: [[], [0.1, -0.30000000000000004], [1e-300]]\n"
       "designs: [{name: 'null', length: 0.3333333333333333, held_out: true}]\n"
-      "fabric: {friction: 0.1234567890123456}\n"
+      "fabric: {friction: 0.1234567890123456, bending_N_m: [1e-6, 0.30000000000000004], "
+      "membrane: neo_hookean}\n"
       "simulation: {step_m: 0.007, solver: {residual: 1e-4}, accept: {min_gap_m: -0.001}}\n"
       "encode: {dtype: float32}\n"
       "train: {network: {block_channels: [32, 64], attention_blocks: [1]}}\n");
@@ -80,9 +82,47 @@ TEST(YamlReader, EffectiveConfigurationReadsBackTheSame) {
   EXPECT_EQ(study.designs[0].length, 0.3333333333333333);
   EXPECT_THAT(study.shapes, ElementsAre(ElementsAre(), ElementsAre(0.1, -0.30000000000000004),
                                         ElementsAre(1e-300)));
-  EXPECT_EQ(study.fabric.friction, 0.1234567890123456);
+  EXPECT_EQ(study.fabric.friction->low, 0.1234567890123456);
+  EXPECT_EQ(study.fabric.friction->high, 0.1234567890123456);
+  EXPECT_EQ(study.fabric.bending_N_m->low, 1e-6);
+  EXPECT_EQ(study.fabric.bending_N_m->high, 0.30000000000000004);
   EXPECT_EQ(study.simulation.solver.residual, 1e-4);
   EXPECT_THAT(study.train.network.block_channels, ElementsAre(32, 64));
+}
+
+TEST(YamlReader, ReadsFabricsByNumbersByNameAndByFile) {
+  const auto fabric = [](const std::string& text) {
+    return Study(kLeast + "fabric: " + text + "\n").read().fabric;
+  };
+  EXPECT_EQ(garment::to_text(garment::middle_fabric(fabric("{}"))),
+            garment::to_text(garment::Fabric{}));
+  const garment::FabricConfig named = fabric("{name: gray_interlock, density_kg_per_m2: 0.2}");
+  ASSERT_TRUE(named.tables);
+  EXPECT_EQ(named.density_kg_per_m2->low, 0.2);
+  EXPECT_EQ(named.friction->low, garment::Fabric{}.friction);
+  const garment::FabricConfig filed = fabric("{file: " PLEAT_SOURCE_DIR
+                                             "/configs/fabrics/gray_interlock.json, "
+                                             "bending_scale: [0.5, 2]}");
+  EXPECT_EQ(filed.tables->stretching, named.tables->stretching);
+  EXPECT_EQ(filed.density_kg_per_m2->low, 0.187);
+  EXPECT_EQ(filed.bending_scale.high, 2);
+  // The effective configuration of a measured fabric reads back, without the numbers it has not.
+  const Study study(kLeast + "fabric: {name: gray_interlock, friction: [0.2, 0.5]}\n");
+  const std::string text = to_yaml(study.read());
+  EXPECT_EQ(text.find("youngs_modulus"), std::string::npos);
+  EXPECT_EQ(to_yaml(Study(text).read()), text);
+}
+
+TEST(YamlReader, NamesTheFileOfABadFabric) {
+  const Scratch scratch;
+  const std::string path = scratch.path("cloth.json");
+  write_bytes(path, "{\"density\": -1}");
+  const Study study(kLeast + "fabric:\n  friction: 0.3\n  file: " + path + "\n");
+  EXPECT_INPUT_ERROR(study.read(), study.at(kLeastLines + 3), "fabric.file: " + path,
+                     "density = -1");
+  const Study unknown(kLeast + "fabric: {name: silk}\n");
+  EXPECT_INPUT_ERROR(unknown.read(), unknown.at(kLeastLines + 1), "fabric.name", "'silk'",
+                     "black_denim, ");
 }
 
 TEST(YamlReader, HandsOnSeedThreadsAndHeldOutNames) {
@@ -132,6 +172,9 @@ TEST(YamlReader, WrongTypeNamesPlaceKeyAndWhatIsExpected) {
   for (const Case& c :
        std::vector<Case>{{"fabric: {friction: much}", "fabric.friction = much", "a number"},
                          {"fabric: {friction: [1]}", "fabric.friction", "a number"},
+                         {"fabric: {friction: [1, 2, 3]}", "fabric.friction", "[low, high]"},
+                         {"fabric: {friction: [1, x]}", "fabric.friction[1] = x", "a number"},
+                         {"fabric: {friction: {low: 1}}", "fabric.friction", "a number"},
                          {"fabric: {friction: }", "fabric.friction", "a number"},
                          {"threads: 1.5", "threads = 1.5", "a whole number"},
                          {"threads: 99999999999", "threads = 99999999999", "a whole number"},
@@ -158,6 +201,9 @@ TEST(YamlReader, WrongValueNamesPlaceAndKey) {
            {"motion: {frame_rate_hz: 0}", "motion.frame_rate_hz"},
            {"fabric: {friction: -0.1}", "fabric.friction"},
            {"fabric: {density_kg_per_m2: .nan}", "fabric.density_kg_per_m2"},
+           {"fabric: {density_kg_per_m2: [0.1, .inf]}", "fabric.density_kg_per_m2"},
+           {"fabric: {friction: [0.5, 0.3]}", "fabric.friction"},
+           {"fabric: {membrane: rubber}", "fabric.membrane"},
            {"simulation: {step_m: 0}", "simulation.step_m"},
            {"simulation: {solver: {residual: 2}}", "simulation.solver.residual"},
            {"simulation: {contact: {slip_m: 0}}", "simulation.contact.slip_m"},
@@ -242,15 +288,12 @@ TEST(YamlReader, TakesDesignsFromAFile) {
 TEST(YamlReader, SettingsOfAStageAreThoseItDependsOn) {
   const StudyConfig study = Study(kLeast).read();
   StudyConfig other = study;
-  other.fabric.friction = 0.5;
-  EXPECT_NE(drape_settings(other), drape_settings(study));
+  other.simulation.accept.min_gap_m = 0.002;
+  EXPECT_NE(simulation_settings(other), simulation_settings(study));
   EXPECT_EQ(encode_settings(other), encode_settings(study));
   other = study;
-  other.simulation.accept.min_gap_m = 0.002;
-  EXPECT_NE(drape_settings(other), drape_settings(study));
-  other = study;
   other.designs[0].is_held_out = true;
-  EXPECT_EQ(drape_settings(other), drape_settings(study));
+  EXPECT_EQ(simulation_settings(other), simulation_settings(study));
   EXPECT_NE(encode_settings(other), encode_settings(study));
   other = study;
   other.encode.held_out_motions.clear();

@@ -28,7 +28,7 @@ struct CampaignFiles {
     body::write_body(campaign.body_file, body::box_body());
     campaign.designs = {{"tee", 0.3, 0.25, 0.2, false}, {"dress", 0.9, 0.5, 0.4, false}};
     campaign.shapes = {Eigen::VectorXd(), Eigen::VectorXd::Constant(2, 0.5)};
-    campaign.settings = "fabric: light\n";
+    campaign.settings = "simulation: as is\n";
     for (const std::string name : {"walk", "jump"}) {
       const std::string file = scratch.path(name + ".npz");
       write_swing(file, name == "walk" ? 0.1 : 0.2);

@@ -53,7 +53,7 @@ class ChainTest : public testing::Test {
     dressed_->model = body::build_anny_body(data_folder(), config);
     dressed_->garment =
         settle_garment({"tee", 0.35, 0.2, 0.3, false}, garment::make_topology(kVertices),
-                       dressed_->model, garment::FabricConfig{}, coarse());
+                       dressed_->model, garment::Fabric{}, coarse());
     clip_ = run(1);
   }
   static void TearDownTestSuite() { dressed_.reset(); }
@@ -69,7 +69,7 @@ class ChainTest : public testing::Test {
     int frames = 0;
     const Eigen::VectorXd shape = Vec<2>(0.5, -0.5);
     const garment::Clip clip =
-        simulate(dressed_->garment, dressed_->model, shape, arms_down(), garment::FabricConfig{},
+        simulate(dressed_->garment, dressed_->model, shape, arms_down(), garment::Fabric{},
                  coarse(), [&](const garment::Certificate&) { return ++frames < most_frames; });
     omp_set_num_threads(before);
     return clip;

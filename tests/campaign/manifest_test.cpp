@@ -92,9 +92,25 @@ TEST(Manifest, KeysChangeWithWhatTheyDependOnAndNothingElse) {
   EXPECT_EQ(changed_by([](Campaign& c) { c.shapes[1].conservativeResize(1); }), with(keys, "/1"));
   EXPECT_EQ(changed_by([](Campaign& c) { c.motions[0].settings += "start_s: 1\n"; }),
             with(keys, "walk/"));
-  EXPECT_EQ(changed_by([](Campaign& c) { c.settings += "friction: 1\n"; }), all(keys));
+  EXPECT_EQ(changed_by([](Campaign& c) { c.settings += "step_m: 1\n"; }), all(keys));
+  EXPECT_EQ(changed_by([](Campaign& c) { c.fabric.friction = 0.41; }), all(keys));
+  EXPECT_EQ(changed_by([](Campaign& c) { c.fabric.membrane = "neo_hookean"; }), all(keys));
+  EXPECT_EQ(changed_by([](Campaign& c) {
+              c.fabric.tables = garment::FabricTables{};
+              c.fabric.tables->bending[2][4] = 1e-5;
+            }),
+            all(keys));
+  // A range around what was: garments settle in its middle, and each chain draws its own.
+  EXPECT_EQ(changed_by([](Campaign& c) {
+              c.fabric.friction = garment::Range(0.3, 2 * garment::Fabric{}.friction - 0.3);
+            }),
+            chains(keys));
   EXPECT_EQ(changed_by([](Campaign& c) { c.garment_vertices = 1200; }), all(keys));
-  // Neither who is trained on, nor where files lie, nor the order of the lists.
+  // Neither who is trained on, nor where files lie, nor the order of the lists, nor a seed that
+  // nothing is drawn from.
+  EXPECT_EQ(changed_by([](Campaign& c) { c.seed = 9; }), std::set<std::string>{});
+  EXPECT_EQ(changed_by([](Campaign& c) { c.fabric.file = "elsewhere.json"; }),
+            std::set<std::string>{});
   EXPECT_EQ(changed_by([](Campaign& c) { c.designs[0].is_held_out = true; }),
             std::set<std::string>{});
   EXPECT_EQ(changed_by([](Campaign& c) { std::reverse(c.designs.begin(), c.designs.end()); }),
@@ -103,8 +119,25 @@ TEST(Manifest, KeysChangeWithWhatTheyDependOnAndNothingElse) {
             std::set<std::string>{});
 }
 
-TEST(Manifest, MoreOfAnythingLeavesOtherKeysAsTheyWere) {
+TEST(Manifest, DrawsAFabricForEachChain) {
   const CampaignFiles files;
+  Campaign campaign = files.campaign;
+  campaign.fabric.density_kg_per_m2 = garment::Range(0.1, 0.3);
+  const Manifest manifest = plan(campaign);
+  std::set<double> densities;
+  for (const Chain& chain : manifest.chains) densities.insert(chain.fabric.density_kg_per_m2);
+  EXPECT_EQ(densities.size(), manifest.chains.size());
+  EXPECT_GE(*densities.begin(), 0.1);
+  EXPECT_LT(*densities.rbegin(), 0.3);
+  const Keys keys = keys_of(campaign);
+  EXPECT_EQ(keys_of(campaign), keys);
+  campaign.seed = 9;
+  EXPECT_EQ(changed(keys, keys_of(campaign)), chains(keys));
+}
+
+TEST(Manifest, MoreOfAnythingLeavesOtherKeysAsTheyWere) {
+  CampaignFiles files;
+  files.campaign.fabric.friction = garment::Range(0.2, 0.5);
   const Keys keys = keys_of(files.campaign);
   Campaign more = files.campaign;
   more.designs.insert(more.designs.begin(), {"tunic", 0.6, 0.5, 0.2, false});
@@ -178,6 +211,8 @@ TEST(Manifest, IsWrittenWithNamesAndKeys) {
   EXPECT_EQ(chain["design"], "dress");
   EXPECT_EQ(chain["shape"], nlohmann::json({0.5, 0.5}));
   EXPECT_EQ(json["chains"][2]["shape"], nlohmann::json::array());
+  EXPECT_EQ(chain["fabric"]["friction"], garment::Fabric{}.friction);
+  EXPECT_EQ(chain["fabric"]["membrane"], "stvk");
 }
 
 }  // namespace
