@@ -62,11 +62,12 @@ void add_bendings(const Cloth& cloth, const Eigen::VectorXd& x, Order order, Sys
     for (int a = 0; a < 4; ++a)
       system.gradient.segment<3>(3 * bending.vertices[a]) += bending.stencil[a] * local.gradient;
     if (needed < Order::kProjectedHessian) continue;
+    const Eigen::Map<const Vec<9>> numbers(local.hessian.data());
     for (int a = 0; a < 4; ++a)
       for (int b = 0; b < 4; ++b) {
-        double* block = system.hessian.values.data() + 9 * cloth.bending_blocks[e][4 * a + b];
-        const double scale = bending.stencil[a] * bending.stencil[b];
-        for (int k = 0; k < 9; ++k) block[k] += scale * local.hessian.data()[k];
+        const int block = cloth.bending_blocks[e][4 * a + b];
+        Eigen::Map<Vec<9>>(system.hessian.values.data() + 9 * block) +=
+            bending.stencil[a] * bending.stencil[b] * numbers;
       }
   }
 }

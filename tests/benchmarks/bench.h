@@ -17,10 +17,14 @@ class Report {
  public:
   // Runs `action` n times on the clock, after one to warm up where n > 1. Row in ms.
   void time(const std::string& name, int n, const std::function<void()>& action);
+  // The same of an action on `count` things; row in ns each.
+  void time_each(const std::string& name, int n, size_t count, const std::function<void()>& action);
   void add(const std::string& name, double value, const std::string& unit);
   const std::vector<Row>& rows() const { return rows_; }
 
  private:
+  void time(const std::string& name, int n, double scale, const std::string& unit,
+            const std::function<void()>& action);
   void add(const Row& row);
   std::vector<Row> rows_;
 };

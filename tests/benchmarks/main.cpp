@@ -15,16 +15,25 @@
 namespace pleat::bench {
 
 void Report::time(const std::string& name, int n, const std::function<void()>& action) {
+  time(name, n, 1e3, "ms", action);
+}
+
+void Report::time_each(const std::string& name, int n, size_t count,
+                       const std::function<void()>& action) {
+  time(name, n, 1e9 / static_cast<double>(count), "ns", action);
+}
+
+void Report::time(const std::string& name, int n, double scale, const std::string& unit,
+                  const std::function<void()>& action) {
   if (n > 1) action();
-  std::vector<double> milliseconds(n);
-  for (double& value : milliseconds) {
+  std::vector<double> seconds(n);
+  for (double& value : seconds) {
     const auto start = std::chrono::steady_clock::now();
     action();
-    value =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    value = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
-  std::sort(milliseconds.begin(), milliseconds.end());
-  add({name, "ms", 0.5 * (milliseconds[(n - 1) / 2] + milliseconds[n / 2]), n});
+  std::sort(seconds.begin(), seconds.end());
+  add({name, unit, scale * 0.5 * (seconds[(n - 1) / 2] + seconds[n / 2]), n});
 }
 
 void Report::add(const std::string& name, double value, const std::string& unit) {
