@@ -249,8 +249,8 @@ Drapes drape_table(const std::vector<std::string>& shards) {
                           {"worst residual", "of the weight"},
                           {"smallest gap", "mm"},
                           {"strain, 95th percentile", "%"},
-                          {"faces in the body", ""},
-                          {"faces crossing each other", ""}};
+                          {"crossings with the body", ""},
+                          {"crossings with itself", ""}};
   for (const std::string& path : shards) {
     const garment::Clip clip = garment::read_clip(path);
     int64_t accepted = 0, body = 0, self = 0;

@@ -66,25 +66,24 @@ void fields(V& visit, sim::NewtonConfig& c) {
   visit("residual", c.residual);
   visit("max_iterations", c.max_iterations);
   visit("max_step_m", c.max_step_m);
-  visit("near_residual", c.near_residual);
 }
 template <typename V>
 void fields(V& visit, sim::ContactConfig& c) {
   visit("distance_m", c.distance_m);
   visit("stiffness_N_per_m3", c.stiffness_N_per_m3);
-  visit("slip_m", c.slip_m);
-  visit("search_depth_m", c.search_depth_m);
+  visit("stick_N_per_m3", c.stick_N_per_m3);
+  visit("layer_distance_m", c.layer_distance_m);
+  visit("barrier_distance_m", c.barrier_distance_m);
+  visit("barrier_Pa", c.barrier_Pa);
 }
 template <typename V>
 void fields(V& visit, sim::AcceptConfig& c) {
   visit("residual", c.residual);
   visit("min_gap_m", c.min_gap_m);
   visit("strain_95", c.strain_95);
-  visit("body_intersections", c.body_intersections);
 }
 template <typename V>
 void fields(V& visit, sim::SimulationConfig& c) {
-  visit("step_m", c.step_m);
   visit("ease_deg", c.ease_deg);
   visit("ease_residual", c.ease_residual);
   visit("ease_iterations", c.ease_iterations);

@@ -18,7 +18,7 @@ namespace pleat {
 namespace {
 
 using Box = fcl::AABB<double>;
-using Node = fcl::BVNode<Box>;
+using FclNode = fcl::BVNode<Box>;
 using Tree = fcl::BVHModel<Box>;
 using Pairs = std::vector<std::array<int, 2>>;
 
@@ -50,13 +50,13 @@ struct ClosestSearch {
   const Vec<3> query;
   ClosestPoint best;
 
-  void descend(const Node& node) {
+  void descend(const FclNode& node) {
     if (node.isLeaf()) {
       visit(node.primitiveId());
       return;
     }
-    const Node* near = &tree.getBV(node.leftChild());
-    const Node* far = &tree.getBV(node.rightChild());
+    const FclNode* near = &tree.getBV(node.leftChild());
+    const FclNode* far = &tree.getBV(node.rightChild());
     double near_distance = squared_distance(query, near->bv);
     double far_distance = squared_distance(query, far->bv);
     if (far_distance < near_distance) {
@@ -83,7 +83,7 @@ struct ClosestSearch {
 };
 
 // Leaves of two trees (or of two parts of one) whose boxes overlap.
-void overlapping_leaves(const Tree& a, const Node& a_node, const Tree& b, const Node& b_node,
+void overlapping_leaves(const Tree& a, const FclNode& a_node, const Tree& b, const FclNode& b_node,
                         Pairs& pairs) {
   if (!a_node.bv.overlap(b_node.bv)) return;
   if (a_node.isLeaf() && b_node.isLeaf()) {
@@ -97,10 +97,10 @@ void overlapping_leaves(const Tree& a, const Node& a_node, const Tree& b, const 
   }
 }
 
-void overlapping_leaves(const Tree& tree, const Node& node, Pairs& pairs) {
+void overlapping_leaves(const Tree& tree, const FclNode& node, Pairs& pairs) {
   if (node.isLeaf()) return;
-  const Node& left = tree.getBV(node.leftChild());
-  const Node& right = tree.getBV(node.rightChild());
+  const FclNode& left = tree.getBV(node.leftChild());
+  const FclNode& right = tree.getBV(node.rightChild());
   overlapping_leaves(tree, left, pairs);
   overlapping_leaves(tree, right, pairs);
   overlapping_leaves(tree, left, tree, right, pairs);
@@ -184,6 +184,127 @@ ClosestPoint SurfaceTree::closest(const Vec<3>& query, double max_distance,
 
 const Points3& SurfaceTree::vertices() const { return impl_->vertices; }
 const Faces& SurfaceTree::faces() const { return impl_->faces; }
+
+SweptTree::SweptTree(const SurfaceTree& surface) : faces_(surface.faces()) {
+  if (faces_.rows() == 0) return;
+  const Tree& tree = surface.impl_->tree;
+  nodes_.resize(tree.getNumBVs());
+  for (size_t i = 0; i < nodes_.size(); ++i) {
+    const FclNode& leaf = tree.getBV(static_cast<int>(i));
+    nodes_[i].child = leaf.isLeaf() ? -1 : leaf.leftChild();
+    nodes_[i].face = leaf.isLeaf() ? leaf.primitiveId() : -1;
+    assert(leaf.isLeaf() || (leaf.leftChild() > static_cast<int>(i) &&
+                             leaf.rightChild() == leaf.leftChild() + 1));
+  }
+}
+
+namespace {
+
+// The next float outwards, so that rounding never makes a box smaller.
+float below(double x) {
+  const float f = static_cast<float>(x);
+  return f <= x ? f : std::nextafter(f, -std::numeric_limits<float>::infinity());
+}
+float above(double x) {
+  const float f = static_cast<float>(x);
+  return f >= x ? f : std::nextafter(f, std::numeric_limits<float>::infinity());
+}
+
+}  // namespace
+
+void SweptTree::refit(const Eigen::Ref<const Points3>& vertices, const Eigen::VectorXd& reach,
+                      const Points3& motion) {
+  assert(reach.size() == vertices.rows());
+  const bool moves = motion.rows() > 0;
+  motions_.resize(moves ? nodes_.size() : 0);
+  for (int i = static_cast<int>(nodes_.size()) - 1; i >= 0; --i) {
+    Node& node = nodes_[i];
+    if (node.child < 0) {
+      const int a = faces_(node.face, 0), b = faces_(node.face, 1), c = faces_(node.face, 2);
+      const double r[3] = {reach[a], reach[b], reach[c]};
+      for (int k = 0; k < 3; ++k) {
+        const double x[3] = {vertices(a, k), vertices(b, k), vertices(c, k)};
+        node.low[k] = below(std::min({x[0] - r[0], x[1] - r[1], x[2] - r[2]}));
+        node.high[k] = above(std::max({x[0] + r[0], x[1] + r[1], x[2] + r[2]}));
+        if (!moves) continue;
+        motions_[i].low[k] = below(std::min({motion(a, k), motion(b, k), motion(c, k)}));
+        motions_[i].high[k] = above(std::max({motion(a, k), motion(b, k), motion(c, k)}));
+      }
+    } else {
+      const Node &left = nodes_[node.child], &right = nodes_[node.child + 1];
+      for (int k = 0; k < 3; ++k) {
+        node.low[k] = std::min(left.low[k], right.low[k]);
+        node.high[k] = std::max(left.high[k], right.high[k]);
+        if (!moves) continue;
+        const Motion &u = motions_[node.child], &v = motions_[node.child + 1];
+        motions_[i].low[k] = std::min(u.low[k], v.low[k]);
+        motions_[i].high[k] = std::max(u.high[k], v.high[k]);
+      }
+    }
+  }
+}
+
+// Along each axis: the smallest and the largest difference of a point of one and one of the other,
+// at any time.
+template <bool kMoves>
+bool SweptTree::may_meet(int i, const SweptTree& other, int j) const {
+  const Node &a = nodes_[i], &b = other.nodes_[j];
+  for (int k = 0; k < 3; ++k) {
+    float least = a.low[k] - b.high[k], most = a.high[k] - b.low[k];
+    if (kMoves) {
+      const Motion &u = motions_[i], &v = other.motions_[j];
+      least += std::min(u.low[k] - v.high[k], 0.0f);
+      most += std::max(u.high[k] - v.low[k], 0.0f);
+    }
+    if (least > 0 || most < 0) return false;
+  }
+  return true;
+}
+
+// The stack holds pairs of nodes that are still to be looked at; within one tree, a pair of a node
+// with itself stands for all pairs in it.
+template <bool kMoves>
+void SweptTree::descend(const SweptTree& other, Pairs& pairs) const {
+  const auto size = [](const Node& n) {
+    return (n.high[0] - n.low[0]) + (n.high[1] - n.low[1]) + (n.high[2] - n.low[2]);
+  };
+  Pairs stack = {{0, 0}};
+  while (!stack.empty()) {
+    const auto [i, j] = stack.back();
+    stack.pop_back();
+    const Node &left = nodes_[i], &right = other.nodes_[j];
+    if (this == &other && i == j) {
+      if (left.child < 0) continue;
+      stack.push_back({left.child, left.child + 1});
+      stack.push_back({left.child + 1, left.child + 1});
+      stack.push_back({left.child, left.child});
+      continue;
+    }
+    if (!may_meet<kMoves>(i, other, j)) continue;
+    if (left.child < 0 && right.child < 0) {
+      pairs.push_back({left.face, right.face});
+    } else if (right.child < 0 || (left.child >= 0 && size(left) > size(right))) {
+      stack.push_back({left.child + 1, j});
+      stack.push_back({left.child, j});
+    } else {
+      stack.push_back({i, right.child + 1});
+      stack.push_back({i, right.child});
+    }
+  }
+}
+
+std::vector<std::array<int, 2>> meeting_faces(const SweptTree& a, const SweptTree& b) {
+  Pairs pairs;
+  if (a.nodes_.empty() || b.nodes_.empty()) return pairs;
+  assert(a.motions_.empty() == b.motions_.empty());
+  if (a.motions_.empty())
+    a.descend<false>(b, pairs);
+  else
+    a.descend<true>(b, pairs);
+  return pairs;
+}
+
+std::vector<std::array<int, 2>> meeting_faces(const SweptTree& a) { return meeting_faces(a, a); }
 
 std::vector<std::array<int, 2>> intersecting_faces(const SurfaceTree& a, const SurfaceTree& b) {
   Pairs pairs;

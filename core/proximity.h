@@ -40,10 +40,51 @@ class SurfaceTree {
  private:
   friend std::vector<std::array<int, 2>> intersecting_faces(const SurfaceTree&, const SurfaceTree&);
   friend std::vector<std::array<int, 2>> self_intersecting_faces(const SurfaceTree&);
+  friend class SweptTree;
 
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// Boxes around the faces of a surface whose vertices are somewhere near or on the move, over the tree
+// that FCL built for it.
+class SweptTree {
+ public:
+  explicit SweptTree(const SurfaceTree& surface);
+
+  // Vertex v lies within reach[v] (m) of a point that runs straight from row v of `vertices` to row v
+  // of vertices + motion. An empty motion: all stay.
+  void refit(const Eigen::Ref<const Points3>& vertices, const Eigen::VectorXd& reach,
+             const Points3& motion);
+
+ private:
+  friend std::vector<std::array<int, 2>> meeting_faces(const SweptTree&, const SweptTree&);
+  friend std::vector<std::array<int, 2>> meeting_faces(const SweptTree&);
+
+  // Children lie behind their parent, next to each other. Bounds are rounded outwards.
+  struct Node {
+    float low[3], high[3];  // box at the start
+    int child = -1;         // the left one; -1: a leaf
+    int face = -1;
+  };
+  struct Motion {
+    float low[3], high[3];
+  };
+  template <bool kMoves>
+  bool may_meet(int i, const SweptTree& other, int j) const;
+  template <bool kMoves>
+  void descend(const SweptTree& other, std::vector<std::array<int, 2>>& pairs) const;
+
+  Faces faces_;
+  std::vector<Node> nodes_;
+  std::vector<Motion> motions_;  // of each node; empty where all stay
+};
+
+// Pairs (face of a, face of b) that may meet while all vertices run through their motions at the
+// same pace; all pairs that do are among them. In an order that depends on the trees only.
+std::vector<std::array<int, 2>> meeting_faces(const SweptTree& a, const SweptTree& b);
+// Pairs within one surface, each once, neighbours included.
+std::vector<std::array<int, 2>> meeting_faces(const SweptTree& a);
 
 // Pairs (face of a, face of b) whose triangles cross or touch, ascending. Exact test by own
 // predicates on FCL's candidates.

@@ -12,7 +12,7 @@ namespace pleat::encode {
 namespace {
 
 constexpr int64_t kSchemaVersion = 1;
-constexpr int kCertificateColumns = 6;
+constexpr int kCertificateColumns = 8;
 
 struct ArrayNote {
   const char* name;
@@ -33,8 +33,9 @@ constexpr ArrayNote kNotes[] = {
     {"frame_index", "1", "frame within its sequence"},
     {"previous", "1", "row of the frame before in the same clip, -1 where none"},
     {"split", "1", "0 train, 1 held-out design, 2 held-out sequence, 3 both"},
-    {"certificate", "1, m, 1, 1, 1, 1",
-     "residual, min_gap_m, max_strain, strain_95, body_intersections, self_intersections"},
+    {"certificate", "1, 1, m, 1, 1, 1, 1, 1",
+     "residual, is_stable, min_gap_m, max_strain, strain_95, body_intersections, overlap_intersections, "
+     "self_intersections"},
     {"clip_key", "1", "content key of the shard that the frame came from"},
     {"designs/parameters", "1", "length, sleeve, cleavage, each 0 .. 1"},
     {"designs/names", "1", "name of each design"},
@@ -74,8 +75,9 @@ void write_per_row(Hdf5File& file, const DatasetContents& contents) {
     append(betas, row.shape);
     const garment::Certificate& c = row.certificate;
     for (const double number :
-         {c.residual, c.min_gap_m, c.max_strain, c.strain_95,
-          static_cast<double>(c.body_intersections), static_cast<double>(c.self_intersections)}) {
+         {c.residual, c.is_stable ? 1.0 : 0.0, c.min_gap_m, c.max_strain, c.strain_95,
+          static_cast<double>(c.body_intersections), static_cast<double>(c.overlap_intersections),
+          static_cast<double>(c.self_intersections)}) {
       certificates.push_back(static_cast<float>(number));
     }
     designs.push_back(row.design);
@@ -345,11 +347,13 @@ std::vector<DatasetRow> read_rows_of(const Hdf5File& file, int64_t count, int64_
     row.split = static_cast<Split>(split[i]);
     const float* numbers = certificate.data() + i * kCertificateColumns;
     row.certificate.residual = numbers[0];
-    row.certificate.min_gap_m = numbers[1];
-    row.certificate.max_strain = numbers[2];
-    row.certificate.strain_95 = numbers[3];
-    row.certificate.body_intersections = static_cast<int>(numbers[4]);
-    row.certificate.self_intersections = static_cast<int>(numbers[5]);
+    row.certificate.is_stable = numbers[1] != 0;
+    row.certificate.min_gap_m = numbers[2];
+    row.certificate.max_strain = numbers[3];
+    row.certificate.strain_95 = numbers[4];
+    row.certificate.body_intersections = static_cast<int>(numbers[5]);
+    row.certificate.overlap_intersections = static_cast<int>(numbers[6]);
+    row.certificate.self_intersections = static_cast<int>(numbers[7]);
     row.certificate.is_accepted = true;
     row.clip_key = keys[i];
   }

@@ -11,14 +11,16 @@ namespace pleat::garment {
 namespace {
 
 // Columns of `certificates`.
-constexpr int64_t kNumbers = 8;
+constexpr int64_t kNumbers = 10;
 
 std::vector<double> numbers(const Certificate& c) {
   return {c.residual,
+          c.is_stable ? 1.0 : 0.0,
           c.min_gap_m,
           c.max_strain,
           c.strain_95,
           static_cast<double>(c.body_intersections),
+          static_cast<double>(c.overlap_intersections),
           static_cast<double>(c.self_intersections),
           static_cast<double>(c.iterations),
           c.seconds};
@@ -33,13 +35,15 @@ int whole(const Hdf5File& file, double number) {
 Certificate certificate(const Hdf5File& file, const double* n) {
   Certificate c;
   c.residual = n[0];
-  c.min_gap_m = n[1];
-  c.max_strain = n[2];
-  c.strain_95 = n[3];
-  c.body_intersections = whole(file, n[4]);
-  c.self_intersections = whole(file, n[5]);
-  c.iterations = whole(file, n[6]);
-  c.seconds = n[7];
+  c.is_stable = n[1] != 0;
+  c.min_gap_m = n[2];
+  c.max_strain = n[3];
+  c.strain_95 = n[4];
+  c.body_intersections = whole(file, n[5]);
+  c.overlap_intersections = whole(file, n[6]);
+  c.self_intersections = whole(file, n[7]);
+  c.iterations = whole(file, n[8]);
+  c.seconds = n[9];
   return c;
 }
 

@@ -15,14 +15,17 @@ namespace pleat::garment {
 
 // What may be trusted about one drape.
 struct Certificate {
-  double residual = 0;         // |force imbalance| / |weight of the garment|
-  double min_gap_m = 0;        // smallest signed distance of a vertex to the body, negative inside
-  double max_strain = 0;       // largest principal stretch - 1
-  double strain_95 = 0;        // 95th percentile over faces
-  int body_intersections = 0;  // cloth faces crossing body faces
-  int self_intersections = 0;  // pairs of cloth faces crossing
-  int iterations = 0;          // of the solver, all substeps of the frame
-  double seconds = 0;          // processor time
+  double residual = 0;     // |force imbalance| / |weight|, norms over all vertices
+  bool is_stable = false;  // the Hessian of the energy is positive definite there
+  double min_gap_m = 0;    // smallest signed distance of a vertex to the body, negative inside
+  double max_strain = 0;   // largest principal stretch - 1
+  double strain_95 = 0;    // 95th percentile over faces
+  // Pairs of faces that cross or touch, by exact predicates:
+  int body_intersections = 0;     // cloth and body, the skin pressed in where the body meets itself
+  int overlap_intersections = 0;  // cloth and body as posed, in those places only
+  int self_intersections = 0;     // cloth and cloth
+  int iterations = 0;             // of the solver, all substeps of the frame
+  double seconds = 0;             // processor time
   bool is_accepted = false;
   std::string reason;  // why not, in one or two words; empty where accepted
 };

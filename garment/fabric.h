@@ -22,7 +22,7 @@ void validate(const FabricTables& tables);  // InputError naming the number
 // One fabric, by its numbers. The defaults are those of a light cotton jersey.
 struct Fabric {
   double density_kg_per_m2 = 0.15;
-  double youngs_modulus_N_per_m = 300;  // membrane, modulus times thickness
+  double youngs_modulus_N_per_m = 100;  // membrane, modulus times thickness
   double poisson_ratio = 0.3;
   double bending_N_m = 1e-5;  // flexural rigidity
   double friction = 0.4;      // Coulomb, cloth on body

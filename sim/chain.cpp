@@ -2,13 +2,17 @@
 
 #include <time.h>
 
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "body/skinning.h"
 #include "core/error.h"
+#include "core/mesh.h"
+#include "core/proximity.h"
 #include "garment/garment_weights.h"
+#include "sim/opened_body.h"
 
 namespace pleat::sim {
 namespace {
@@ -52,8 +56,7 @@ double largest_turn(const body::Pose& a, const body::Pose& b) {
   return largest;
 }
 
-// One garment on one body, moving. Keeps the factor's analysis, the collider's tree and the state
-// between drapes.
+// One garment on one body, moving. Keeps the trees and the state between drapes.
 class Chain {
  public:
   Chain(const garment::GarmentTopology& topology, const Points2& panels, const SkinWeights& weights,
@@ -64,88 +67,131 @@ class Chain {
         weights_(weights),
         model_(model),
         config_(config),
-        friction_(fabric.friction),
         cloth_(make_cloth(topology.faces, topology.panel_faces, panels, topology.vertex_count,
                           fabric)),
-        factor_(cloth_.bending_hessian),
         wearer_(start),
-        shaped_(body::shape_body(model, start.shape)),
-        collider_(body::pose_body(model, shaped_, start.pose), model.faces, body_parts(model)) {
+        opener_(model),
+        posed_(body::pose_body(model, body::shape_body(model, start.shape), start.pose),
+               model.faces),
+        collider_(opener_.open(posed_.vertices()), model.faces),
+        next_tree_(collider_.vertices(), model.faces),
+        factor_(cloth_.bending_hessian),
+        contacts_(topology.faces, cloth_.area, as_vector(positions), collider_, config.contact,
+                  fabric.friction) {
     state_.x = as_vector(positions);
     state_.anchors.resize(topology.vertex_count);
+    for (const Edge& edge : edges(topology.faces)) edges_.push_back(edge.vertices);
   }
 
-  // Moves the wearer to `next` in steps small against the cloth, carrying the cloth along and
-  // settling it at each.
+  // Moves the wearer to `next`, the cloth going along, and settles it there. Nothing passes through
+  // anything on the way but where the body passes through itself, and, where the cloth is pinched and
+  // holds the body up, the body through the cloth.
   NewtonResult advance(const Wearer& next, const NewtonConfig& last_step) {
-    const Wearer from = wearer_;
-    const int steps = step_count(next);
+    const body::ShapedBody shaped = body::shape_body(model_, next.shape);
+    posed_.refit(body::pose_body(model_, shaped, next.pose));
+    const Points3 body_next = opener_.open(posed_.vertices());
+    next_tree_.refit(body_next);
+    const std::vector<char> is_off_next = collider_.overlaps(next_tree_);
     int iterations = 0;
-    for (int s = 1; s < steps; ++s) {
-      carry(blend(from, next, double(s) / steps));
-      iterations += settle(easing()).iterations;
+    double t = 0;
+    for (int step = 0; t < 1; ++step) {
+      const Points3 here = collider_.vertices();
+      Eigen::VectorXd motion = as_vector(carried(body_next)) - state_.x;
+      double share = contacts_.free_share_with_body(state_.x, body_next, is_off_next, motion);
+      if (step == kMostSteps || (step > 0 && share < kLeastShare)) {
+        const double cloth_share = contacts_.free_share_without_body(state_.x, motion);
+          state_.x += cloth_share * motion;
+        share = 1;
+      } else {
+        state_.x += share * motion;
+      }
+      t = share == 1 ? 1 : t + share * (1 - t);
+      collider_.move_to(share == 1 ? body_next : Points3(here + share * (body_next - here)));
+      contacts_.forget();
+      if (t < 1) iterations += settle(easing()).iterations;
     }
-    carry(next);
+    wearer_ = next;
     NewtonResult result = settle(last_step);
     result.iterations += iterations;
     return result;
   }
 
   NewtonResult settle(const NewtonConfig& solver) {
-    return drape(cloth_, collider_, friction_, config_.contact, solver, factor_, state_);
+    return drape(cloth_, contacts_, solver, factor_, state_);
   }
 
   NewtonConfig easing() const {
     NewtonConfig easing = config_.solver;
     easing.residual = config_.ease_residual;
     easing.max_iterations = config_.ease_iterations;
+    easing.must_be_stable = false;
     return easing;
   }
 
   garment::Certificate certify(const NewtonResult& solved) const {
-    return sim::certify(positions(), topology_.faces, topology_.panel_faces, panels_, collider_,
-                        solved, config_.accept);
+    return sim::certify(positions(), topology_.faces, topology_.panel_faces, panels_, posed_,
+                        collider_, solved, config_.accept);
   }
 
   const Wearer& wearer() const { return wearer_; }
   Points3 positions() const { return as_points(state_.x); }
 
  private:
-  Points3 carried(const body::ShapedBody& shaped, const body::Pose& pose) const {
-    const Points3 unposed = body::unskin_linear(
-        as_points(state_.x), weights_, body::joint_transforms(model_, shaped_, wearer_.pose));
-    return body::skin_linear(unposed, weights_, body::joint_transforms(model_, shaped, pose));
-  }
+  static constexpr int kMostSteps = 16;
+  static constexpr double kLeastShare = 0.02;
 
-  // How far the body shifts against the cloth that touches or nearly touches it, in steps of
-  // config_.step_m.
-  int step_count(const Wearer& next) const {
-    constexpr double kNear = 0.02;  // m
-    const body::ShapedBody shaped = body::shape_body(model_, next.shape);
-    const Points3 body_next = body::pose_body(model_, shaped, next.pose);
-    const Points3 cloth_next = carried(shaped, next.pose);
-    const Points3 cloth_now = positions();
-    double largest = 0;
-    for (Eigen::Index v = 0; v < cloth_now.rows(); ++v) {
-      const ClosestPoint closest =
-          collider_.tree().closest(cloth_now.row(v).transpose(), kNear, collider_.is_active());
+  // Where the cloth goes when the body moves on: what lies on the body goes with its surface, what
+  // hangs free follows smoothly (a harmonic field between).
+  Points3 carried(const Points3& body_next) {
+    constexpr double kOn = 0.005, kOff = 0.02;  // m
+    const Points3& body_here = collider_.vertices();
+    const int count = cloth_.vertex_count;
+    Points3 pulled = Points3::Zero(count, 3);
+    Eigen::VectorXd pull(count);
+    for (int v = 0; v < count; ++v) {
+      const Vec<3> x = state_.x.segment<3>(3 * v);
+      const ClosestPoint closest = collider_.tree().closest(x, kOff);
+      pull[v] = 1e-6;
       if (closest.face < 0) continue;
-      Vec<3> body_shift = -closest.point;
+      const double away =
+          std::clamp((std::sqrt(closest.squared_distance) - kOn) / (kOff - kOn), 0.0, 1.0);
+      const double share = 1 - away * away * (3 - 2 * away);
+      pull[v] += 10 * share / (1.001 - share);
+      const Mat<3> frame_here = frame(body_here, closest.face),
+                   frame_next = frame(body_next, closest.face);
+      Vec<3> point_next = Vec<3>::Zero();
       for (int c = 0; c < 3; ++c)
-        body_shift +=
+        point_next +=
             closest.barycentric[c] * body_next.row(model_.faces(closest.face, c)).transpose();
-      const Vec<3> cloth_shift = (cloth_next.row(v) - cloth_now.row(v)).transpose();
-      largest = std::max(largest, (body_shift - cloth_shift).norm());
+      const Vec<3> offset = frame_next * (frame_here.transpose() * (x - closest.point));
+      pulled.row(v) = pull[v] * (point_next + offset - x).transpose();
     }
-    return std::clamp(static_cast<int>(std::ceil(largest / config_.step_m)), 1, 20);
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int v = 0; v < count; ++v) entries.emplace_back(v, v, pull[v]);
+    for (const auto& e : edges_) {
+      entries.emplace_back(e[0], e[0], 1);
+      entries.emplace_back(e[1], e[1], 1);
+      entries.emplace_back(e[0], e[1], -1);
+      entries.emplace_back(e[1], e[0], -1);
+    }
+    Eigen::SparseMatrix<double> matrix(count, count);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    if (!is_analysed_) harmonic_.analyzePattern(matrix);
+    is_analysed_ = true;
+    harmonic_.factorize(matrix);
+    const Eigen::MatrixXd motion = harmonic_.solve(Eigen::MatrixXd(pulled));
+    return as_points(state_.x) + Points3(motion);
   }
 
-  void carry(const Wearer& next) {
-    const body::ShapedBody shaped = body::shape_body(model_, next.shape);
-    state_.x = as_vector(carried(shaped, next.pose));
-    shaped_ = shaped;
-    wearer_ = next;
-    collider_.move_to(body::pose_body(model_, shaped_, wearer_.pose));
+  // Unit axes that turn with a face.
+  Mat<3> frame(const Points3& vertices, int face) const {
+    const Vec<3> a = vertices.row(model_.faces(face, 0)), b = vertices.row(model_.faces(face, 1)),
+                 c = vertices.row(model_.faces(face, 2));
+    Mat<3> axes;
+    axes.col(0) = (b - a).normalized();
+    axes.col(2) = (b - a).cross(c - a).normalized();
+    axes.col(1) = axes.col(2).cross(axes.col(0));
+    return axes;
   }
 
   const garment::GarmentTopology& topology_;
@@ -153,13 +199,18 @@ class Chain {
   const SkinWeights& weights_;
   const body::BodyModel& model_;
   const SimulationConfig& config_;
-  double friction_;
   Cloth cloth_;
-  Cholesky factor_;
   Wearer wearer_;
-  body::ShapedBody shaped_;
-  BodyCollider collider_;
+  BodyOpener opener_;
+  SurfaceTree posed_;  // the body as the pose has it, and
+  BodyCollider collider_;  // as it gives way to itself
+  SurfaceTree next_tree_;  // of the body where it goes
+  Cholesky factor_;
+  ContactSearch contacts_;
   DrapeState state_;
+  std::vector<std::array<int, 2>> edges_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> harmonic_;
+  bool is_analysed_ = false;
 };
 
 // From the T-pose on the mean body to the clip's shape, then to its first pose.
@@ -175,7 +226,6 @@ void ease_in(Chain& chain, const Wearer& first, const SimulationConfig& config) 
 }  // namespace
 
 void validate(const SimulationConfig& config) {
-  if (!(config.step_m > 0)) throw InputError("simulation.step_m must be > 0");
   if (!(config.ease_deg > 0)) throw InputError("simulation.ease_deg must be > 0");
   if (!(config.ease_residual > 0)) throw InputError("simulation.ease_residual must be > 0");
   if (config.ease_iterations < 1) throw InputError("simulation.ease_iterations must be >= 1");

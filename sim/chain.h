@@ -14,8 +14,6 @@
 namespace pleat::sim {
 
 struct SimulationConfig {  // section `simulation`
-  double step_m =
-      0.01;  // the body is moved on in steps in which it shifts at most this far against the cloth
   double ease_deg = 6;  // largest joint turn of one easing step from the T-pose to the first frame
   double ease_residual = 0.1;  // steps on the way need not settle fully
   int ease_iterations = 8;

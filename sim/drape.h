@@ -3,8 +3,7 @@
 
 #include <vector>
 
-#include "sim/body_contact.h"
-#include "sim/solver/find_contacts.h"
+#include "sim/solver/contacts.h"
 #include "sim/solver/newton.h"
 
 namespace pleat::sim {
@@ -16,8 +15,7 @@ struct DrapeState {
 };
 
 // Settles `state` on the body. Not converging is a result, not an error.
-NewtonResult drape(const Cloth& cloth, const BodyCollider& collider, double friction,
-                   const ContactConfig& contact, const NewtonConfig& solver, Cholesky& factor,
-                   DrapeState& state);
+NewtonResult drape(const Cloth& cloth, ContactSearch& contacts, const NewtonConfig& solver,
+                   Cholesky& factor, DrapeState& state);
 
 }  // namespace pleat::sim

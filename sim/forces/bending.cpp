@@ -75,6 +75,7 @@ LocalEnergy<12> bending_energy(const Bending& bending, const BendingLaw& law, co
   for (int a = 0; a < 4; ++a)
     energy.gradient.segment<3>(3 * a) = bending.stencil[a] * jump.gradient;
   if (order < Order::kProjectedHessian) return energy;
+  energy.hessian.setZero();
   for (int a = 0; a < 4; ++a)
     for (int b = 0; b < 4; ++b)
       energy.hessian.block<3, 3>(3 * a, 3 * b) =

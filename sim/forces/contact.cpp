@@ -1,5 +1,7 @@
 #include "sim/forces/contact.h"
 
+#include <algorithm>
+
 namespace pleat::sim {
 namespace {
 
@@ -12,24 +14,37 @@ Vec<3> spring(const Contact& contact, double u) {
   return {k * (d * d / 6 + d * beyond / 2 + beyond * beyond / 2), k * (d / 2 + beyond), k};
 }
 
-double depth(const Contact& contact, const Vec<3>& x) {
-  return contact.distance - contact.normal.dot(x - contact.point);
-}
-
 }  // namespace
 
-LocalEnergy<3> contact_energy(const Contact& contact, const Vec<3>& x, Order order) {
-  const Vec<3> e = spring(contact, depth(contact, x));
+BodyField contact_field(const Contact& contact, const BodyCollider& body, const Vec<3>& x,
+                        int order) {
+  if (!contact.is_flat) return body.field(contact.body_face, contact.normal, x, order);
+  const Vec<3> nearest = body.point(contact.body_face, contact.barycentric);
+  return {contact.normal.dot(x - nearest), contact.normal, Mat<3>::Zero()};
+}
+
+LocalEnergy<3> contact_energy(const Contact& contact, const BodyCollider& body, const Vec<3>& x,
+                              Order order) {
   LocalEnergy<3> energy;
+  if (contact.room > 0 && (x - contact.seen_at).squaredNorm() < contact.room * contact.room) {
+    energy.value = 0;
+    if (order >= Order::kGradient) energy.gradient.setZero();
+    if (order >= Order::kProjectedHessian) energy.hessian.setZero();
+    return energy;
+  }
+  const BodyField field = contact_field(contact, body, x, std::min(2, static_cast<int>(order)));
+  const Vec<3> e = spring(contact, contact.distance - field.phi);
   energy.value = e[0];
-  if (order >= Order::kGradient) energy.gradient = -e[1] * contact.normal;
-  if (order >= Order::kProjectedHessian)
-    energy.hessian = e[2] * contact.normal * contact.normal.transpose();
+  if (order < Order::kGradient) return energy;
+  energy.gradient = -e[1] * field.gradient;
+  if (order < Order::kProjectedHessian) return energy;
+  energy.hessian = e[2] * field.gradient * field.gradient.transpose();
+  if (order == Order::kHessian) energy.hessian -= e[1] * field.hessian;
   return energy;
 }
 
-double normal_force(const Contact& contact, const Vec<3>& x) {
-  return spring(contact, depth(contact, x))[1];
+double normal_force(const Contact& contact, double phi) {
+  return spring(contact, contact.distance - phi)[1];
 }
 
 }  // namespace pleat::sim

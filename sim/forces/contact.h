@@ -1,29 +1,34 @@
-// Contact of a cloth vertex with the body, as a one-sided spring on the gap to a tangent plane of
-// the body.
-//   g = n . (x - q),  u = d - g > 0,  E'' = k min(u/d, 1):  cubic at first touch, quadratic below
-//   the surface
-// The plane (q, n) is that of the closest body point, n blended from vertex normals, and stays
-// fixed within an iteration of the solver: with the mesh's own facetted distance Newton's method
-// cycles.
+// Contact of a cloth vertex with the body, as a one-sided spring on its distance phi to the body's
+// smooth surface (BodyCollider::field).
+//   u = d - phi(x) > 0,  E'' = k min(u/d, 1):  cubic at first touch, quadratic below the surface
+// docs/derivations/contact.md.
 #pragma once
 
+#include "sim/body_contact.h"
 #include "sim/forces/local_energy.h"
 
 namespace pleat::sim {
 
 struct Contact {
   int vertex;
-  int body_face;
-  Vec<3> barycentric;  // of q on body_face
-  Vec<3> point;        // q, m, world
-  Vec<3> normal;       // n, outward, unit
-  double distance;     // d, m: gap at which the spring starts
+  int body_face;       // the nearest
+  Vec<3> barycentric;  // of the nearest point
+  Vec<3> normal;       // of the body there
+  double distance;     // d, m: where the spring starts
   double stiffness;    // k, N/m
+  Vec<3> seen_at;      // m, world: where the vertex stood when it was found, and
+  double room;         // m, how far it may go from there without touching
+  bool is_flat;        // phi is the distance to the plane through the nearest point, not the field
 };
 
-LocalEnergy<3> contact_energy(const Contact& contact, const Vec<3>& x, Order order);
+// phi and its derivatives as the contact sees them.
+BodyField contact_field(const Contact& contact, const BodyCollider& body, const Vec<3>& x,
+                        int order);
 
-// Normal force, N, >= 0.
-double normal_force(const Contact& contact, const Vec<3>& x);
+LocalEnergy<3> contact_energy(const Contact& contact, const BodyCollider& body, const Vec<3>& x,
+                              Order order);
+
+// -dE/dphi, N, >= 0.
+double normal_force(const Contact& contact, double phi);
 
 }  // namespace pleat::sim

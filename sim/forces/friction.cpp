@@ -5,16 +5,16 @@ namespace pleat::sim {
 LocalEnergy<3> friction_energy(const Friction& friction, const Vec<3>& x, Order order) {
   const Mat<3> tangential = Mat<3>::Identity() - friction.normal * friction.normal.transpose();
   const Vec<3> u = tangential * (x - friction.anchor);
-  const double s = u.norm(), eps = friction.slip;
-  const bool sticks = s < eps;
+  const double s = u.norm(), k = friction.stiffness;
+  const bool sticks = k * s <= friction.limit;
   LocalEnergy<3> energy;
-  energy.value = friction.limit * (sticks ? s * s / (2 * eps) : s - eps / 2);
+  energy.value = sticks ? 0.5 * k * s * s : friction.limit * (s - 0.5 * friction.limit / k);
   if (order < Order::kGradient) return energy;
-  const double stiffness = friction.limit / (sticks ? eps : s);
-  energy.gradient = stiffness * u;
+  const double secant = sticks ? k : friction.limit / s;
+  energy.gradient = secant * u;
   if (order < Order::kProjectedHessian) return energy;
-  energy.hessian = stiffness * tangential;
-  if (!sticks) energy.hessian -= stiffness / (s * s) * u * u.transpose();
+  energy.hessian = secant * tangential;
+  if (!sticks) energy.hessian -= secant / (s * s) * u * u.transpose();
   return energy;
 }
 

@@ -1,9 +1,9 @@
 // Dry friction of a cloth vertex on the body, as a potential of the slip from the body point it
 // sticks to.
-//   u = (I - n n^T)(x - a),  E = mu N h(|u|),  h(s) = s^2/(2 eps) below eps, s - eps/2 above
-// Below eps the vertex sticks (a stiff spring), above it slides against the force mu N. N is held
-// fixed within an iteration of the solver, as in Li et al. 2020, "Incremental Potential Contact",
-// section 5.
+//   u = (I - n n^T)(x - a),  s = |u|,  E = k s^2/2 while k s < mu N, beyond it mu N (s - mu N / (2 k))
+// The vertex sticks to a by a spring, and slides against the force mu N where that would pull harder
+// (Coulomb's law as elastic, perfectly plastic slip). N is held fixed within an iteration of the
+// solver; a vertex that sticks does not feel it.
 #pragma once
 
 #include "sim/forces/local_energy.h"
@@ -15,7 +15,7 @@ struct Friction {
   Vec<3> anchor;  // a, m, world
   Vec<3> normal;  // n, unit
   double limit;   // mu N, N
-  double slip;    // eps, m
+  double stiffness;  // k, N/m
 };
 
 LocalEnergy<3> friction_energy(const Friction& friction, const Vec<3>& x, Order order);

@@ -12,6 +12,11 @@ int BlockMatrix::find(int row, int wanted) const {
   return static_cast<int>(found - column.begin());
 }
 
+bool BlockMatrix::has(int row, int wanted) const {
+  return std::binary_search(column.begin() + row_start[row], column.begin() + row_start[row + 1],
+                            wanted);
+}
+
 BlockMatrix make_pattern(int vertex_count, const std::vector<std::pair<int, int>>& coupled) {
   std::vector<std::vector<int>> columns(vertex_count);
   for (int v = 0; v < vertex_count; ++v) columns[v].push_back(v);

@@ -16,10 +16,11 @@ struct BlockMatrix {
   std::vector<double> values;  // 9 a block, row-major; symmetric blocks lie on the diagonal
   std::vector<int> diagonal;   // #V: index of each vertex's own block
 
-  int rows() const { return static_cast<int>(row_start.size()) - 1; }
+  int rows() const { return row_start.empty() ? 0 : static_cast<int>(row_start.size()) - 1; }
   int block_count() const { return static_cast<int>(column.size()); }
   // Index of block (row, column), which must be in the pattern.
   int find(int row, int column) const;
+  bool has(int row, int column) const;
   Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> block(int index) {
     return Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data() + 9 * index);
   }

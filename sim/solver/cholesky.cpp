@@ -1,6 +1,7 @@
 #include "sim/solver/cholesky.h"
 
 #include <cholmod.h>
+#include <dlfcn.h>
 #include <omp.h>
 
 #include <numeric>
@@ -9,6 +10,17 @@
 
 namespace pleat::sim {
 namespace {
+
+// A drape owns one thread, and the bits of a sum must not depend on how many there are. OpenBLAS built
+// without threads is not safe to call from several; the one with them can be told to use one.
+void keep_blas_single() {
+  static const bool is_told = [] {
+    const auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+    if (set) set(1);
+    return true;
+  }();
+  static_cast<void>(is_told);
+}
 
 // CHOLMOD's supernodal code opens OpenMP regions of its own; a drape owns one thread.
 class SingleThread {
@@ -28,8 +40,12 @@ struct Cholesky::Impl {
   cholmod_factor* factor = nullptr;
   std::vector<int> source;    // entry of `matrix` -> value in BlockMatrix::values
   std::vector<int> diagonal;  // unknown -> entry of `matrix`
+  std::vector<int> vertex_order;
+  std::vector<float> rough;   // the factor's numbers in single precision
+  mutable Eigen::VectorXf work, gathered;
 
   Impl() {
+    keep_blas_single();
     cholmod_start(&common);
     common.print = 0;
     common.supernodal = CHOLMOD_SUPERNODAL;
@@ -64,7 +80,7 @@ struct Cholesky::Impl {
     std::copy(row.begin(), row.end(), static_cast<int*>(matrix->i));
   }
 
-  // Fill-reducing order of the vertices, each of which then gives its three unknowns.
+  // Fill-reducing order of the vertices.
   std::vector<int> order(const BlockMatrix& pattern) {
     const int vertices = pattern.rows();
     cholmod_sparse* graph = cholmod_allocate_sparse(vertices, vertices, pattern.column.size(), 1, 1,
@@ -82,22 +98,36 @@ struct Cholesky::Impl {
     if (!cholmod_metis(graph, nullptr, 0, 1, permutation.data(), &common))
       std::iota(permutation.begin(), permutation.end(), 0);
     cholmod_free_sparse(&graph, &common);
+    return permutation;
+  }
+
+  // order: of the vertices, each of which gives its three unknowns.
+  void analyse(const std::vector<int>& order) {
+    vertex_order = order;
     std::vector<int> expanded;
-    for (int v : permutation)
+    for (int v : order)
       for (int c = 0; c < 3; ++c) expanded.push_back(3 * v + c);
-    return expanded;
+    common.nmethods = 1;
+    common.method[0].ordering = CHOLMOD_GIVEN;
+    factor = cholmod_analyze_p(matrix, expanded.data(), nullptr, 0, &common);
+    if (!factor) throw std::runtime_error("CHOLMOD could not analyse the pattern");
   }
 };
 
 Cholesky::Cholesky(const BlockMatrix& pattern) : impl_(std::make_unique<Impl>()) {
   const SingleThread single_thread;
   impl_->fill_pattern(pattern);
-  std::vector<int> permutation = impl_->order(pattern);
-  impl_->common.nmethods = 1;
-  impl_->common.method[0].ordering = CHOLMOD_GIVEN;
-  impl_->factor = cholmod_analyze_p(impl_->matrix, permutation.data(), nullptr, 0, &impl_->common);
-  if (!impl_->factor) throw std::runtime_error("CHOLMOD could not analyse the pattern");
+  impl_->analyse(impl_->order(pattern));
 }
+
+Cholesky::Cholesky(const BlockMatrix& pattern, const std::vector<int>& order)
+    : impl_(std::make_unique<Impl>()) {
+  const SingleThread single_thread;
+  impl_->fill_pattern(pattern);
+  impl_->analyse(order);
+}
+
+const std::vector<int>& Cholesky::order() const { return impl_->vertex_order; }
 
 Cholesky::~Cholesky() = default;
 
@@ -106,8 +136,61 @@ bool Cholesky::factor(const BlockMatrix& matrix, const Eigen::VectorXd& shift) {
   double* values = static_cast<double*>(impl_->matrix->x);
   for (size_t e = 0; e < impl_->source.size(); ++e) values[e] = matrix.values[impl_->source[e]];
   for (size_t u = 0; u < impl_->diagonal.size(); ++u) values[impl_->diagonal[u]] += shift[u / 3];
-  return cholmod_factorize(impl_->matrix, impl_->factor, &impl_->common) &&
-         impl_->common.status == CHOLMOD_OK;
+  if (!cholmod_factorize(impl_->matrix, impl_->factor, &impl_->common) ||
+      impl_->common.status != CHOLMOD_OK)
+    return false;
+  const double* exact = static_cast<const double*>(impl_->factor->x);
+  impl_->rough.resize(impl_->factor->xsize);
+  for (size_t i = 0; i < impl_->rough.size(); ++i)
+    impl_->rough[i] = static_cast<float>(exact[i]);
+  return true;
+}
+
+// Supernode s: columns super[s] .. super[s + 1] of the factor, dense, column-major, its rows listed in
+// s[pi[s]] .., the first of them those columns.
+void Cholesky::solve_roughly(const Eigen::VectorXd& right_side, Eigen::VectorXd& solution) const {
+  const cholmod_factor& factor = *impl_->factor;
+  const int* super = static_cast<const int*>(factor.super);
+  const int* row_start = static_cast<const int*>(factor.pi);
+  const int* value_start = static_cast<const int*>(factor.px);
+  const int* rows = static_cast<const int*>(factor.s);
+  const int* permutation = static_cast<const int*>(factor.Perm);
+  const Eigen::Index count = right_side.size();
+  Eigen::VectorXf &y = impl_->work, &gathered = impl_->gathered;
+  y.resize(count);
+  gathered.resize(factor.maxesize);
+  for (Eigen::Index i = 0; i < count; ++i) y[i] = static_cast<float>(right_side[permutation[i]]);
+  using Block = Eigen::Map<const Eigen::MatrixXf, 0, Eigen::OuterStride<>>;
+  const int supernodes = static_cast<int>(factor.nsuper);
+  for (int s = 0; s < supernodes; ++s) {
+    const int first = super[s], columns = super[s + 1] - first;
+    const int height = row_start[s + 1] - row_start[s], below = height - columns;
+    const float* values = impl_->rough.data() + value_start[s];
+    const Block triangle(values, columns, columns, Eigen::OuterStride<>(height));
+    auto head = y.segment(first, columns);
+    triangle.triangularView<Eigen::Lower>().solveInPlace(head);
+    if (below == 0) continue;
+    const Block rest(values + columns, below, columns, Eigen::OuterStride<>(height));
+    gathered.head(below).noalias() = rest * head;
+    const int* row = rows + row_start[s] + columns;
+    for (int i = 0; i < below; ++i) y[row[i]] -= gathered[i];
+  }
+  for (int s = supernodes - 1; s >= 0; --s) {
+    const int first = super[s], columns = super[s + 1] - first;
+    const int height = row_start[s + 1] - row_start[s], below = height - columns;
+    const float* values = impl_->rough.data() + value_start[s];
+    auto head = y.segment(first, columns);
+    if (below > 0) {
+      const Block rest(values + columns, below, columns, Eigen::OuterStride<>(height));
+      const int* row = rows + row_start[s] + columns;
+      for (int i = 0; i < below; ++i) gathered[i] = y[row[i]];
+      head.noalias() -= rest.transpose() * gathered.head(below);
+    }
+    const Block triangle(values, columns, columns, Eigen::OuterStride<>(height));
+    triangle.transpose().triangularView<Eigen::Upper>().solveInPlace(head);
+  }
+  solution.resize(count);
+  for (Eigen::Index i = 0; i < count; ++i) solution[permutation[i]] = y[i];
 }
 
 Eigen::VectorXd Cholesky::solve(const Eigen::VectorXd& right_side) const {

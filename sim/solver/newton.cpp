@@ -2,54 +2,289 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <stdexcept>
 
 #include "core/error.h"
+#include "sim/solver/trust_region.h"
 
 namespace pleat::sim {
 namespace {
 
-constexpr double kAcceptRatio = 1e-4;  // of the energy's drop to the model's
-constexpr double kLeastDamping =
-    30;  // 1/s^2: a step is at least as cautious as a dynamic one of 0.18 s
-constexpr double kMostDamping = 1e12;  // no step is found there any more
-constexpr double kDampingFactor = 4;
+constexpr double kCaution = 30;   // 1/s^2 times the masses: what the factor adds to the Hessian
+constexpr double kMostCaution = 1e12;  // times as much
+constexpr double kNear = 30;      // residuals to reach: from there on the factor is the Hessian's own
+constexpr double kSlow = 0.01;    // of the caution: curvature that a stable equilibrium may lack
+constexpr double kHeld = 1e9;     // J/m^2: what the factor adds for a pinned vertex
+constexpr int kStale = 12;        // products that a step may take before its factor is renewed
+constexpr double kLanding = 0.6;  // of the contact distance: how deep a step may dip into it
+constexpr double kArmijo = 1e-4;  // of the slope: the least fall of the energy
+constexpr int kMostHalvings = 3;
 
-double largest_move(const Eigen::VectorXd& step) {
-  double largest = 0;
-  for (Eigen::Index v = 0; v < step.size() / 3; ++v)
-    largest = std::max(largest, step.segment<3>(3 * v).norm());
-  return largest;
-}
+// The worst part of a cloth, where it is small: vertices with most of the squared residual, and some
+// rows around them.
+constexpr double kWorstShare = 0.9;  // of the squared residual
+constexpr double kMostWorst = 0.05;  // of all vertices
+constexpr int kRowsAround = 3;       // in steps of the Hessian's pattern, two rows each
+constexpr int kMostLocal = 20;       // iterations
+constexpr double kLocalGoal = 0.3;   // of the residual of the rest
 
-// A step and how the search along it ended.
-struct Search {
-  double length = 0;  // of the step taken, in steps; 0: none lowers the energy enough
-  double ratio = 0;   // of the energy's drop to the model's, at the full step
+class Minimiser {
+ public:
+  Minimiser(const Cloth& cloth, ContactSearch& contacts, const NewtonConfig& config,
+            Cholesky& factor, Eigen::VectorXd& x, std::vector<Anchor>& anchors)
+      : cloth_(cloth),
+        contacts_(contacts),
+        config_(config),
+        uncoupled_(factor),
+        x_(x),
+        anchors_(anchors),
+        shift_(cloth.vertex_count),
+        step_(Eigen::VectorXd::Zero(x.size())) {
+    for (const Weight& weight : cloth.weights) shift_[weight.vertex] = kCaution * weight.mass;
+    if (!cloth.is_pinned.empty())
+      for (int v = 0; v < cloth.vertex_count; ++v)
+        if (cloth.is_pinned[v]) shift_[v] = kHeld;
+  }
+
+  NewtonResult run();
+
+ private:
+  // A part of the cloth under Newton's method, and what it keeps from step to step.
+  struct Patch {
+    Region region;
+    bool is_whole;
+    double radius = 0;
+    std::vector<int> pairs = {};  // barriers that may act on it,
+    int pairs_of = -1;            // and the search that they are from
+    int products = 0;             // of the last step
+  };
+  // What touches, and the system at x_. Returns the residual.
+  double evaluate(Patch& patch, Order order);
+  void know_pairs(Patch& patch);
+  // One step in the patch; false where it had to stop at what is not known.
+  bool advance(Patch& patch);
+  bool prepare_step(Patch& patch);
+  void land();
+  double energy_at(const Patch& patch, double length);
+  bool factor(const Patch& all, const Eigen::VectorXd& shift);
+  void renew_factor(Patch& all);
+  bool settle_worst();
+
+  const Cloth& cloth_;
+  ContactSearch& contacts_;
+  const NewtonConfig& config_;
+  Cholesky& uncoupled_;                 // factor without contact between layers of cloth
+  std::unique_ptr<Cholesky> coupled_;  // with it, where there is any
+  Eigen::VectorXd& x_;
+  std::vector<Anchor>& anchors_;
+  Eigen::VectorXd shift_;  // #V, J/m^2
+  Eigen::VectorXd step_;   // 3#V, m; zero outside the patch at work
+  Touching touching_;
+  std::vector<ActiveBarrier> barriers_;
+  System system_, trial_;
+  NewtonResult result_;
 };
 
-// Energies cost little beside a factorisation: shorter steps are tried before another damping, and
-// longer ones where the clamped Hessian was too cautious.
-template <typename Energy>
-Search search_along(const Energy& energy, double start, double slope, double curvature,
-                    double longest) {
-  constexpr double kLeastLength = 1.0 / 16;
-  Search search;
-  double at = energy(1.0);
-  search.ratio = (start - at) / -(slope + 0.5 * curvature);
-  double length = 1;
-  while (!(at <= start + kAcceptRatio * length * slope)) {
+void Minimiser::know_pairs(Patch& patch) {
+  if (patch.pairs_of == contacts_.search_count()) return;
+  patch.pairs_of = contacts_.search_count();
+  patch.pairs = contacts_.pairs_at(patch.region.place);
+}
+
+double Minimiser::evaluate(Patch& patch, Order order) {
+  know_pairs(patch);
+  touching_ = contacts_.touching(patch.region.vertices, x_, anchors_);
+  barriers_ = contacts_.barriers(patch.pairs, x_, order);
+  assemble(cloth_, patch.region, touching_, barriers_, x_, order, system_);
+  return restrict_to(patch.region, system_.gradient).norm() / cloth_.weight_norm;
+}
+
+// Factors the system as it stands, plus `shift`. False where that is not positive definite.
+bool Minimiser::factor(const Patch& all, const Eigen::VectorXd& shift) {
+  const BlockMatrix matrix = with_barriers({cloth_, all.region, system_.hessian, barriers_});
+  ++result_.factorisations;
+  if (matrix.block_count() == system_.hessian.block_count()) {
+    coupled_.reset();
+    return uncoupled_.factor(matrix, shift);
+  }
+  coupled_ = std::make_unique<Cholesky>(matrix, uncoupled_.order());
+  return coupled_->factor(matrix, shift);
+}
+
+// Far from rest, a positive definite part of the Hessian serves; near it the Hessian itself, which
+// tells whether the equilibrium is stable, too.
+void Minimiser::renew_factor(Patch& all) {
+  if (result_.residual <= kNear * config_.residual) {
+    result_.is_stable = factor(all, kSlow * shift_);
+    if (result_.is_stable) return;
+  }
+  evaluate(all, Order::kProjectedHessian);
+  double caution = 1;
+  while (!factor(all, caution * shift_)) {  // by rounding, where barriers are very stiff
+    caution *= 30;
+    if (caution > kMostCaution) throw std::runtime_error("the forces on the cloth are not finite");
+  }
+  evaluate(all, Order::kHessian);
+}
+
+// The whole cloth finds out what it may meet; a patch takes as much of the step as is known.
+bool Minimiser::prepare_step(Patch& patch) {
+  if (patch.is_whole) {
+    const int before = contacts_.search_count();
+    contacts_.prepare(x_, step_);
+    if (contacts_.search_count() == before) return true;
+    know_pairs(patch);
+    touching_ = contacts_.touching(patch.region.vertices, x_, anchors_);
+    return true;
+  }
+  constexpr double kLeast = 0.1;
+  const double known = contacts_.known_share(patch.region.vertices, x_, step_);
+  if (known < kLeast) return false;
+  step_ *= known;
+  return true;
+}
+
+// A step that would dip deep into the body ends on its surface: the model does not know of contacts
+// that are still to come.
+void Minimiser::land() {
+  for (const Contact& contact : touching_.contacts) {
+    const Vec<3> here = x_.segment<3>(3 * contact.vertex);
+    if (step_.segment<3>(3 * contact.vertex).norm() < contact.room) continue;
+    const BodyField field = contact_field(contact, *touching_.body,
+                                          here + step_.segment<3>(3 * contact.vertex), 1);
+    const double least = kLanding * contact.distance;
+    if (field.phi >= least) continue;
+    const double now = contact_field(contact, *touching_.body, here, 0).phi;
+    if (now < least) continue;  // the model knows of this one
+    step_.segment<3>(3 * contact.vertex) +=
+        (least - field.phi) / field.gradient.squaredNorm() * field.gradient;
+  }
+}
+
+double Minimiser::energy_at(const Patch& patch, double length) {
+  const Eigen::VectorXd at = x_ + length * step_;
+  assemble(cloth_, patch.region, touching_, {}, at, Order::kValue, trial_);
+  return trial_.energy + contacts_.barrier_energy(patch.pairs, at);
+}
+
+bool Minimiser::advance(Patch& patch) {
+  const NewtonSystem linear{cloth_, patch.region, system_.hessian, barriers_};
+  const Eigen::VectorXd gradient = restrict_to(patch.region, system_.gradient);
+  const double residual = gradient.norm() / cloth_.weight_norm;
+  TrustRegionStep solved;
+  if (patch.is_whole) {
+    const auto precondition = [&](const Eigen::VectorXd& r, Eigen::VectorXd& z) {
+      (coupled_ ? *coupled_ : uncoupled_).solve_roughly(r, z);
+    };
+    solved = trust_region_step(linear, gradient, patch.radius, {std::min(0.1, std::sqrt(residual)), 60},
+                               precondition);
+    result_.products += solved.iterations;
+  } else {
+    const std::vector<Mat<3>> inverse = inverse_blocks(linear);
+    const auto precondition = [&](const Eigen::VectorXd& r, Eigen::VectorXd& z) {
+      z.resize(r.size());
+      for (size_t i = 0; i < inverse.size(); ++i) z.segment<3>(3 * i) = inverse[i] * r.segment<3>(3 * i);
+    };
+    solved = trust_region_step(linear, gradient, patch.radius, {std::min(0.1, std::sqrt(residual)), 200},
+                               precondition);
+  }
+  patch.products = solved.iterations;
+
+  double longest = 0;
+  for (size_t i = 0; i < patch.region.vertices.size(); ++i)
+    longest = std::max(longest, solved.step.segment<3>(3 * i).norm());
+  const double cap = std::min(1.0, config_.max_step_m / longest);
+  spread(patch.region, cap * solved.step, step_);
+  if (!prepare_step(patch)) return false;
+  land();
+  if (!prepare_step(patch)) return false;
+  double length = contacts_.free_share(patch.pairs, x_, step_);
+
+  // What the model foretells of the step as it became.
+  const Eigen::VectorXd direction = restrict_to(patch.region, step_);
+  Eigen::VectorXd Hp;
+  multiply(linear, direction, Hp);
+  const double slope = std::min(0.0, direction.dot(gradient));
+  const double foretold = length * direction.dot(gradient) + 0.5 * length * length * direction.dot(Hp);
+  double at = energy_at(patch, length);
+  const double ratio = foretold < 0 ? (system_.energy - at) / -foretold : -1;
+  int halvings = 0;
+  while (!(at <= system_.energy + kArmijo * length * slope) && halvings++ < kMostHalvings) {
     length /= 2;
-    if (length < kLeastLength) return search;
-    at = energy(length);
+    at = energy_at(patch, length);
   }
-  while (length >= 1 && 2 * length <= longest) {
-    const double beyond = energy(2 * length);
-    if (!(beyond < at)) break;
-    at = beyond;
-    length *= 2;
+  const bool is_lower = at <= system_.energy + kArmijo * length * slope;
+  if (is_lower) x_ += length * step_;
+  if (patch.radius <= 0) patch.radius = solved.length;
+  if (!is_lower || ratio < 0.25)
+    patch.radius = 0.25 * solved.length * cap * std::max(length, 0.1);
+  else if (ratio > 0.75)
+    patch.radius = std::max(patch.radius, 2 * solved.length);
+  return true;
+}
+
+// Where few vertices hold most of the residual, they and their surroundings are settled alone.
+bool Minimiser::settle_worst() {
+  std::vector<std::pair<double, int>> squares(cloth_.vertex_count);
+  double total = 0;
+  for (int v = 0; v < cloth_.vertex_count; ++v) {
+    const double square = system_.gradient.segment<3>(3 * v).squaredNorm();
+    squares[v] = {-square, v};
+    total += square;
   }
-  search.length = length;
-  return search;
+  std::sort(squares.begin(), squares.end());
+  std::vector<int> worst;
+  double sum = 0;
+  for (const auto& [square, v] : squares) {
+    if (sum >= kWorstShare * total) break;
+    sum -= square;
+    worst.push_back(v);
+  }
+  if (static_cast<double>(worst.size()) > kMostWorst * cloth_.vertex_count) return false;
+  Patch patch{around(cloth_, worst, kRowsAround), false};
+  if (2 * patch.region.vertices.size() > static_cast<size_t>(cloth_.vertex_count)) return false;
+  const double goal = std::max(0.3 * config_.residual,
+                               kLocalGoal * std::sqrt(total - sum) / cloth_.weight_norm);
+  step_.setZero();
+  for (int i = 0; i < kMostLocal; ++i) {
+    if (evaluate(patch, Order::kHessian) <= goal || !advance(patch)) break;
+    ++result_.local_iterations;
+  }
+  return true;
+}
+
+NewtonResult Minimiser::run() {
+  Patch all{whole(cloth_), true};
+  contacts_.prepare(x_, step_);
+  bool is_fresh = false, was_local = false;
+  while (true) {
+    result_.residual = evaluate(all, Order::kHessian);
+    const bool is_settled = result_.residual <= config_.residual;
+    if (is_settled) {
+      if (config_.must_be_stable) renew_factor(all);  // here, not a step before
+      is_fresh = true;
+      result_.has_converged = result_.is_stable || !config_.must_be_stable;
+      if (result_.has_converged) break;
+    }
+    if (result_.iterations >= config_.max_iterations) break;
+    if (!is_settled && result_.iterations > 0 && !was_local) {
+      was_local = settle_worst();
+      if (was_local) {
+        contacts_.prepare(x_, Eigen::VectorXd::Zero(x_.size()));
+        continue;
+      }
+    }
+    was_local = false;
+    const bool is_near = result_.residual <= kNear * config_.residual;
+    if (!is_fresh || (is_near && !result_.is_stable)) renew_factor(all);
+    if (!is_near) result_.is_stable = false;
+    advance(all);
+    contacts_.prepare(x_, Eigen::VectorXd::Zero(x_.size()));
+    is_fresh = all.products <= kStale;
+    ++result_.iterations;
+  }
+  return result_;
 }
 
 }  // namespace
@@ -59,56 +294,11 @@ void validate(const NewtonConfig& config) {
     throw InputError("solver.residual must lie in (0, 1)");
   if (config.max_iterations < 1) throw InputError("solver.max_iterations must be >= 1");
   if (!(config.max_step_m > 0)) throw InputError("solver.max_step_m must be > 0");
-  if (!(config.near_residual >= 0)) throw InputError("solver.near_residual must be >= 0");
 }
 
-NewtonResult minimise(const Cloth& cloth,
-                      const std::function<Touching(const Eigen::VectorXd&)>& find_touching,
-                      const NewtonConfig& config, Cholesky& factor, Eigen::VectorXd& x) {
-  Eigen::VectorXd mass(cloth.vertex_count);
-  for (const Weight& weight : cloth.weights) mass[weight.vertex] = weight.mass;
-  NewtonResult result;
-  System system, trial;
-  double damping = kLeastDamping;
-  Touching touching = find_touching(x);
-  while (true) {
-    assemble(cloth, touching, x, Order::kProjectedHessian, system);
-    result.residual = system.gradient.norm() / cloth.total_weight;
-    result.has_converged = result.residual <= config.residual;
-    if (result.has_converged || !(result.iterations < config.max_iterations) ||
-        !(damping < kMostDamping))
-      return result;
-    if (result.residual <= config.near_residual) {
-      assemble(cloth, touching, x, Order::kHessian, system);
-      ++result.factorisations;
-      if (!factor.factor(system.hessian, damping * mass))
-        assemble(cloth, touching, x, Order::kProjectedHessian, system);
-    }
-    while (damping < kMostDamping) {
-      ++result.factorisations;
-      Search search;
-      if (factor.factor(system.hessian, damping * mass)) {
-        Eigen::VectorXd p = -factor.solve(system.gradient), Hp;
-        const double move = largest_move(p);
-        if (move > config.max_step_m) p *= config.max_step_m / move;
-        multiply(system.hessian, p, Hp);
-        const auto energy = [&](double length) {
-          assemble(cloth, touching, x + length * p, Order::kValue, trial);
-          return trial.energy;
-        };
-        search = search_along(energy, system.energy, p.dot(system.gradient), p.dot(Hp),
-                              config.max_step_m / std::min(move, config.max_step_m));
-        x += search.length * p;
-      }
-      if (search.ratio > 0.75)
-        damping = std::max(kLeastDamping, damping / kDampingFactor);
-      else if (search.ratio < 0.25)
-        damping = std::max(16 * kLeastDamping, kDampingFactor * damping);
-      if (search.length > 0) break;
-    }
-    ++result.iterations;
-    touching = find_touching(x);
-  }
+NewtonResult minimise(const Cloth& cloth, ContactSearch& contacts, const NewtonConfig& config,
+                      Cholesky& factor, Eigen::VectorXd& x, std::vector<Anchor>& anchors) {
+  return Minimiser(cloth, contacts, config, factor, x, anchors).run();
 }
 
 }  // namespace pleat::sim

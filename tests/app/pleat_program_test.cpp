@@ -99,10 +99,10 @@ TEST(PleatProgram, RefusesWrongArguments) {
 TEST(PleatProgram, RefusesAWrongStudy) {
   Inputs inputs;
   inputs.expect_refused("run " + inputs.scratch.path("absent.yaml"), {"absent.yaml"});
-  inputs.more = "seed: 2\nsimulaton: {step_m: 0.1}\n";
+  inputs.more = "seed: 2\nsimulaton: {ease_deg: 6}\n";
   inputs.expect_study_refused({"study.yaml:6", "simulaton", "`simulation`"});
-  inputs.more = "simulation: {step_m: -0.1}\n";
-  inputs.expect_study_refused({"study.yaml:5", "simulation.step_m"});
+  inputs.more = "simulation: {ease_deg: -6}\n";
+  inputs.expect_study_refused({"study.yaml:5", "simulation.ease_deg"});
   inputs.more = "output: elsewhere\n";
   inputs.expect_study_refused({"study.yaml:5", "output", "twice"});
   inputs.more = "shapes: [[], [0, 0, 0, 1]]\n";  // the box has three directions

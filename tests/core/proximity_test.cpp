@@ -3,6 +3,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -234,6 +235,231 @@ TEST(SelfIntersectingFaces, AgreesWithEveryPairJudgedByCgal) {
 TEST(SelfIntersectingFaces, OfASphereAreNone) {
   const TriangleMesh mesh = make_sphere(4);
   EXPECT_TRUE(self_intersecting_faces({mesh.vertices, mesh.faces}).empty());
+}
+
+// What a face of a surface on the move keeps to: along each axis the least and the largest
+// coordinate at the start, and the same of its motion.
+struct SweptBox {
+  Vec<3> low, high, motion_low, motion_high;
+};
+
+struct MovingMesh {
+  TriangleMesh mesh;
+  Eigen::VectorXd reach;
+  Points3 motion;  // empty: all stay
+
+  SweptTree tree() const {
+    SweptTree tree(SurfaceTree(mesh.vertices, mesh.faces));
+    tree.refit(mesh.vertices, reach, motion);
+    return tree;
+  }
+  SweptBox box(int f) const {
+    SweptBox box;
+    box.motion_low = box.motion_high = Vec<3>::Zero();
+    for (int k = 0; k < 3; ++k) {
+      const int v = mesh.faces(f, k);
+      const Vec<3> x = mesh.vertices.row(v), r = Vec<3>::Constant(reach[v]);
+      box.low = k == 0 ? Vec<3>(x - r) : Vec<3>(box.low.cwiseMin(x - r));
+      box.high = k == 0 ? Vec<3>(x + r) : Vec<3>(box.high.cwiseMax(x + r));
+      if (motion.rows() == 0) continue;
+      const Vec<3> u = motion.row(v);
+      box.motion_low = k == 0 ? u : Vec<3>(box.motion_low.cwiseMin(u));
+      box.motion_high = k == 0 ? u : Vec<3>(box.motion_high.cwiseMax(u));
+    }
+    return box;
+  }
+  std::array<Vec<3>, 3> corners_at(int f, double t) const {
+    std::array<Vec<3>, 3> x = corners(mesh, f);
+    for (int k = 0; k < 3; ++k)
+      if (motion.rows() > 0) x[k] += t * motion.row(mesh.faces(f, k)).transpose();
+    return x;
+  }
+};
+
+// Seen along one axis after another: how far two faces stay apart at least, negative where they
+// meet.
+double gap_on_the_way(const SweptBox& a, const SweptBox& b) {
+  double gap = -std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const double least = a.low[k] - b.high[k] + std::min(a.motion_low[k] - b.motion_high[k], 0.0);
+    const double most = a.high[k] - b.low[k] + std::max(a.motion_high[k] - b.motion_low[k], 0.0);
+    gap = std::max({gap, least, -most});
+  }
+  return gap;
+}
+
+MovingMesh moving_soup(int count, double size, double reach, double speed,
+                       const std::string& name) {
+  RandomStream random(2, name);
+  MovingMesh moving;
+  moving.mesh = make_soup(count, size, name);
+  moving.reach.resize(3 * count);
+  for (double& r : moving.reach) r = reach * random.uniform();
+  if (speed == 0) return moving;
+  moving.motion.resize(3 * count, 3);
+  for (int f = 0; f < count; ++f) {  // each face its own way, turning and stretching a little
+    const Vec<3> way = random_point(random, speed);
+    for (int k = 0; k < 3; ++k)
+      moving.motion.row(3 * f + k) = (way + random_point(random, 0.2 * speed)).transpose();
+  }
+  return moving;
+}
+
+// Bounds are floats, rounded outwards: of coordinates below 4 by less than 5e-7 each.
+constexpr double kFloat = 2e-6;
+
+void expect_meeting_faces_of_boxes(const MovingMesh& a, const MovingMesh& b) {
+  Pairs found = meeting_faces(a.tree(), b.tree());
+  std::sort(found.begin(), found.end());
+  EXPECT_TRUE(std::adjacent_find(found.begin(), found.end()) == found.end());
+  int meeting = 0;
+  for (int f = 0; f < a.mesh.faces.rows(); ++f)
+    for (int g = 0; g < b.mesh.faces.rows(); ++g) {
+      const double gap = gap_on_the_way(a.box(f), b.box(g));
+      const bool is_found =
+          std::binary_search(found.begin(), found.end(), std::array<int, 2>{f, g});
+      if (gap <= 0) {
+        EXPECT_TRUE(is_found) << f << " " << g << " " << gap;
+      }
+      if (gap > kFloat) {
+        EXPECT_FALSE(is_found) << f << " " << g << " " << gap;
+      }
+      meeting += gap <= 0;
+    }
+  EXPECT_GT(meeting, 100);
+  EXPECT_LT(meeting, a.mesh.faces.rows() * b.mesh.faces.rows() / 3);
+}
+
+TEST(SweptTree, FindsJustTheFacesWhoseBoxesMeet) {
+  {
+    SCOPED_TRACE("still");
+    expect_meeting_faces_of_boxes(moving_soup(200, 0.3, 0, 0, "a"),
+                                  moving_soup(150, 0.2, 0, 0, "b"));
+  }
+  {
+    SCOPED_TRACE("with reach");
+    expect_meeting_faces_of_boxes(moving_soup(200, 0.2, 0.1, 0, "a"),
+                                  moving_soup(150, 0.1, 0.2, 0, "b"));
+  }
+  {
+    SCOPED_TRACE("on the move");
+    expect_meeting_faces_of_boxes(moving_soup(200, 0.1, 0.05, 0.3, "a"),
+                                  moving_soup(150, 0.1, 0, 0.2, "b"));
+  }
+}
+
+// Boxes that touch without overlap count.
+TEST(SweptTree, FindsFacesThatJustTouch) {
+  MovingMesh a, b;
+  a.mesh = b.mesh = make_cube();
+  a.reach = b.reach = Eigen::VectorXd::Zero(8);
+  b.mesh.vertices.col(0).array() += 1;
+  EXPECT_FALSE(meeting_faces(a.tree(), b.tree()).empty());
+  b.mesh.vertices.col(0).array() += 1e-5;
+  EXPECT_TRUE(meeting_faces(a.tree(), b.tree()).empty());
+  b.reach.setConstant(1.1e-5);
+  EXPECT_FALSE(meeting_faces(a.tree(), b.tree()).empty());
+  b.reach.setZero();
+  a.motion = b.motion = Points3::Zero(8, 3);
+  EXPECT_TRUE(meeting_faces(a.tree(), b.tree()).empty());
+  a.motion.col(0).setConstant(0.3);
+  b.motion.col(0).setConstant(0.3);  // both go the same way
+  EXPECT_TRUE(meeting_faces(a.tree(), b.tree()).empty());
+  b.motion.col(0).setConstant(0.3 - 1.1e-5);
+  EXPECT_FALSE(meeting_faces(a.tree(), b.tree()).empty());
+}
+
+TEST(SweptTree, FindsAllThatIntersect) {
+  const MovingMesh a = moving_soup(250, 0.4, 0, 0, "a"), b = moving_soup(200, 0.4, 0, 0, "b");
+  Pairs found = meeting_faces(a.tree(), b.tree());
+  std::sort(found.begin(), found.end());
+  const Pairs crossing =
+      intersecting_faces({a.mesh.vertices, a.mesh.faces}, {b.mesh.vertices, b.mesh.faces});
+  EXPECT_GT(crossing.size(), 100u);
+  EXPECT_TRUE(std::includes(found.begin(), found.end(), crossing.begin(), crossing.end()));
+}
+
+// Exact tests at 41 instants of the way; at its ends few of the pairs cross.
+TEST(SweptTree, FindsAllThatIntersectOnTheWay) {
+  const MovingMesh a = moving_soup(100, 0.2, 0, 1, "a"), b = moving_soup(80, 0.2, 0, 1, "b");
+  Pairs found = meeting_faces(a.tree(), b.tree());
+  std::sort(found.begin(), found.end());
+  int crossing = 0, between_only = 0;
+  for (int f = 0; f < a.mesh.faces.rows(); ++f)
+    for (int g = 0; g < b.mesh.faces.rows(); ++g) {
+      bool meets = false, meets_at_end = false;
+      for (int i = 0; i <= 40; ++i) {
+        const double t = i / 40.0;
+        if (!triangles_meet(a.corners_at(f, t), b.corners_at(g, t))) continue;
+        meets = true;
+        meets_at_end |= i == 0 || i == 40;
+      }
+      crossing += meets;
+      between_only += meets && !meets_at_end;
+      if (meets) {
+        EXPECT_TRUE(std::binary_search(found.begin(), found.end(), std::array<int, 2>{f, g}));
+      }
+    }
+  EXPECT_GT(crossing, 20);
+  EXPECT_GT(between_only, 10);
+}
+
+TEST(SweptTree, FindsEachPairOfOneSurfaceOnce) {
+  for (const double speed : {0.0, 0.3}) {
+    MovingMesh moving;
+    moving.mesh = make_sphere(3);
+    RandomStream random(4, "crumple");
+    for (double& x : moving.mesh.vertices.reshaped()) x *= 0.5 + 0.5 * random.uniform();
+    const int count = static_cast<int>(moving.mesh.vertices.rows());
+    moving.reach = Eigen::VectorXd::Constant(count, 0.02);
+    if (speed > 0) moving.motion.resize(count, 3);
+    for (double& u : moving.motion.reshaped()) u = speed * (2 * random.uniform() - 1);
+    Pairs found = meeting_faces(moving.tree());
+    for (std::array<int, 2>& pair : found) std::sort(pair.begin(), pair.end());
+    std::sort(found.begin(), found.end());
+    EXPECT_TRUE(std::adjacent_find(found.begin(), found.end()) == found.end());
+    const int faces = static_cast<int>(moving.mesh.faces.rows());
+    for (int f = 0; f < faces; ++f)
+      for (int g = f; g < faces; ++g) {
+        const double gap = f == g ? 1 : gap_on_the_way(moving.box(f), moving.box(g));
+        const bool is_found =
+            std::binary_search(found.begin(), found.end(), std::array<int, 2>{f, g});
+        if (gap <= 0) {
+          EXPECT_TRUE(is_found) << f << " " << g;
+        }
+        if (gap > kFloat) {
+          EXPECT_FALSE(is_found) << f << " " << g;
+        }
+      }
+    EXPECT_GT(found.size(), 2u * faces);
+  }
+}
+
+// The tree is that of one pose; its boxes are those of another.
+TEST(SweptTree, ForgetsThePoseThatItWasBuiltIn) {
+  MovingMesh a = moving_soup(150, 0.2, 0.05, 0, "a"), b = moving_soup(150, 0.2, 0.05, 0, "b");
+  SweptTree from_elsewhere(SurfaceTree(b.mesh.vertices, a.mesh.faces));
+  from_elsewhere.refit(a.mesh.vertices, a.reach, a.motion);
+  SweptTree moved_and_back = a.tree();
+  moved_and_back.refit(b.mesh.vertices, b.reach, Points3::Ones(450, 3));
+  moved_and_back.refit(a.mesh.vertices, a.reach, a.motion);
+  const SweptTree fresh = a.tree(), other = b.tree();
+  const Pairs expected = meeting_faces(fresh, other);
+  EXPECT_EQ(meeting_faces(a.tree(), b.tree()), expected);  // in the same order, too
+  EXPECT_EQ(meeting_faces(moved_and_back, other), expected);
+  Pairs found = meeting_faces(from_elsewhere, other), sorted = expected;
+  std::sort(found.begin(), found.end());
+  std::sort(sorted.begin(), sorted.end());
+  EXPECT_EQ(found, sorted);
+}
+
+TEST(SweptTree, OfNoFacesMeetsNothing) {
+  SweptTree none(SurfaceTree(Points3::Zero(3, 3), Faces(0, 3)));
+  none.refit(Points3::Zero(3, 3), Eigen::VectorXd::Constant(3, 10), Points3(0, 3));
+  const MovingMesh cube{make_cube(), Eigen::VectorXd::Zero(8), Points3(0, 3)};
+  EXPECT_TRUE(meeting_faces(none).empty());
+  EXPECT_TRUE(meeting_faces(none, cube.tree()).empty());
+  EXPECT_TRUE(meeting_faces(cube.tree(), none).empty());
 }
 
 TEST(WindingNumbers, CountTheSurfacesAround) {

@@ -37,7 +37,9 @@ struct Small {
       row.previous = i == 1 ? 0 : -1;
       row.split = static_cast<Split>((i / 2) | 2 * (i % 2));
       row.certificate.residual = 0.01 * i;
+      row.certificate.is_stable = i % 2 == 1;
       row.certificate.body_intersections = i;
+      row.certificate.overlap_intersections = 2 * i;
       row.clip_key = "key" + std::to_string(i);
       contents.rows.push_back(row);
       textures.push_back(encoder.encode(clip_offsets(tube, i)));
@@ -75,7 +77,9 @@ TEST(Dataset, ReturnsWhatWasWritten) {
     EXPECT_EQ(row.split, expected.split);
     EXPECT_EQ(row.clip_key, expected.clip_key);
     EXPECT_NEAR(row.certificate.residual, expected.certificate.residual, 1e-8);
+    EXPECT_EQ(row.certificate.is_stable, expected.certificate.is_stable);
     EXPECT_EQ(row.certificate.body_intersections, expected.certificate.body_intersections);
+    EXPECT_EQ(row.certificate.overlap_intersections, expected.certificate.overlap_intersections);
   }
   const garment::Garment& dress = dataset.garment(2);
   EXPECT_EQ(dress.design.name, "dress");

@@ -129,7 +129,7 @@ struct Patch {
     Eigen::VectorXd x(3 * kSide * kSide);
     for (int v = 0; v < kSide * kSide; ++v) x.segment<3>(3 * v) << F * rest.row(v).transpose(), 0;
     System system;
-    assemble(cloth, {}, x, Order::kGradient, system);
+    assemble(cloth, whole(cloth), {}, {}, x, Order::kGradient, system);
     Mat<2> sides = Mat<2>::Zero();
     for (int v = 0; v < kSide * kSide; ++v) {
       const Vec<2> force = system.gradient.segment<2>(3 * v);

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numeric>
+
 #include "core/random.h"
 
 namespace pleat::sim {
@@ -54,6 +57,78 @@ TEST(Cholesky, SaysWhereAMatrixIsNotPositive) {
   Cholesky factor(matrix);
   EXPECT_FALSE(factor.factor(matrix, Eigen::VectorXd::Zero(30)));
   EXPECT_TRUE(factor.factor(ring(30), Eigen::VectorXd::Zero(30)));
+}
+
+TEST(Cholesky, KeepsAGivenOrder) {
+  const BlockMatrix matrix = ring(60);
+  std::vector<int> backwards(60);
+  std::iota(backwards.rbegin(), backwards.rend(), 0);
+  Cholesky factor(matrix, backwards);
+  EXPECT_EQ(factor.order(), backwards);
+  ASSERT_TRUE(factor.factor(matrix, Eigen::VectorXd::Zero(60)));
+  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(180, -1, 1);
+  Eigen::VectorXd b;
+  multiply(matrix, x, b);
+  EXPECT_LE((factor.solve(b) - x).norm(), 1e-12 * x.norm());
+}
+
+// As the solver does where layers of cloth come near: the order of one pattern for a wider one.
+TEST(Cholesky, OrderServesAWiderPattern) {
+  const Cholesky narrow(ring(60));
+  std::vector<int> sorted = narrow.order();
+  std::sort(sorted.begin(), sorted.end());
+  for (int v = 0; v < 60; ++v) ASSERT_EQ(sorted[v], v);
+  std::vector<std::pair<int, int>> coupled = {{3, 50}, {3, 51}, {4, 50}};
+  const BlockMatrix matrix = ring(60);
+  for (int v = 0; v < 60; ++v)
+    for (int k = matrix.row_start[v]; k < matrix.row_start[v + 1]; ++k)
+      coupled.emplace_back(v, matrix.column[k]);
+  BlockMatrix wider = make_pattern(60, coupled);
+  for (int v = 0; v < 60; ++v)
+    for (int k = matrix.row_start[v]; k < matrix.row_start[v + 1]; ++k)
+      wider.block(wider.find(v, matrix.column[k])) = matrix.block(k);
+  for (const auto& [a, b] : {std::pair{3, 50}, {3, 51}, {4, 50}}) {
+    wider.block(wider.find(a, b)) = Mat<3>::Constant(0.3);
+    wider.block(wider.find(b, a)) = Mat<3>::Constant(0.3);
+  }
+  Cholesky factor(wider, narrow.order());
+  ASSERT_TRUE(factor.factor(wider, Eigen::VectorXd::Zero(60)));
+  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(180, -1, 1);
+  Eigen::VectorXd b;
+  multiply(wider, x, b);
+  EXPECT_LE((factor.solve(b) - x).norm(), 1e-12 * x.norm());
+}
+
+// In single precision: 1e-7 times what the matrix amplifies. Supernodes of many shapes occur.
+TEST(Cholesky, SolvesRoughlyToSinglePrecision) {
+  for (const int count : {1, 2, 17, 60, 400}) {
+    const BlockMatrix matrix = count < 17 ? make_pattern(count, {{0, count - 1}}) : ring(count);
+    const Eigen::VectorXd shift = Eigen::VectorXd::LinSpaced(count, 1, 4);
+    Cholesky factor(matrix);
+    ASSERT_TRUE(factor.factor(matrix, shift));
+    const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(3 * count, -1, 1);
+    Eigen::VectorXd rough;
+    factor.solve_roughly(b, rough);
+    const Eigen::VectorXd exact = factor.solve(b);
+    EXPECT_LE((rough - exact).norm(), 3e-6 * exact.norm()) << count;
+    EXPECT_GT(exact.norm(), 0);
+    factor.solve_roughly(2 * b, rough);  // its scratch space does not show
+    EXPECT_LE((rough - 2 * exact).norm(), 6e-6 * exact.norm()) << count;
+  }
+}
+
+// One factorisation after another: each solves with the last one.
+TEST(Cholesky, SolvesRoughlyWithTheLastMatrix) {
+  const BlockMatrix matrix = ring(60);
+  Cholesky factor(matrix);
+  const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(180, -1, 1);
+  Eigen::VectorXd rough;
+  for (const double shift : {1.0, 50.0}) {
+    ASSERT_TRUE(factor.factor(matrix, Eigen::VectorXd::Constant(60, shift)));
+    factor.solve_roughly(b, rough);
+    const Eigen::VectorXd exact = factor.solve(b);
+    EXPECT_LE((rough - exact).norm(), 3e-6 * exact.norm());
+  }
 }
 
 }  // namespace

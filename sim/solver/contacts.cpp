@@ -1,0 +1,406 @@
+#include "sim/solver/contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/error.h"
+#include "sim/solver/continuous_collision.h"
+
+namespace pleat::sim {
+namespace {
+
+constexpr double kKeep = 0.1;     // of the distance of two features is left by any one step
+constexpr double kOutside = 0.005;  // m: how far the smooth surface may lie outside of the mesh
+constexpr double kSteep = 1.6;      // the field grows no faster, where it matters
+constexpr double kApart = 1e-4;   // m: what never comes as near as twice this on the way is left out
+constexpr double kStray = 0.002;  // m: pairs stay known while vertices move as little as this
+constexpr double kDeep = 0.04;    // m: as deep inside the body loose vertices are found
+constexpr double kParallel = 1e-3;  // sin^2 of 1.8 degrees, between edges of mean length
+constexpr double kLift = 2;       // contact distances that loose vertices are pulled out to
+
+Eigen::VectorXd moves(const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
+  Eigen::VectorXd result(from.size() / 3);
+  for (Eigen::Index v = 0; v < result.size(); ++v)
+    result[v] = (to.segment<3>(3 * v) - from.segment<3>(3 * v)).norm();
+  return result;
+}
+
+// The larger move in each feature, added up.
+double approach(const NearPair& pair, const Eigen::VectorXd& move) {
+  const int count = static_cast<int>(move.size());
+  const auto of = [&](int k) { return pair.vertices[k] < count ? move[pair.vertices[k]] : 0.0; };
+  return pair.kind == PairKind::kPointFace
+             ? of(0) + std::max({of(1), of(2), of(3)})
+             : std::max(of(0), of(1)) + std::max(of(2), of(3));
+}
+
+double smoothstep(double t) {
+  t = std::clamp(t, 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
+}  // namespace
+
+void validate(const ContactConfig& config) {
+  if (!(config.distance_m > 0 && config.distance_m <= 0.02))
+    throw InputError("contact.distance_m must lie in (0, 0.02]");
+  if (!(config.stiffness_N_per_m3 > 0)) throw InputError("contact.stiffness_N_per_m3 must be > 0");
+  if (!(config.stick_N_per_m3 > 0)) throw InputError("contact.stick_N_per_m3 must be > 0");
+  if (!(config.layer_distance_m > 0 && config.layer_distance_m <= 0.01))
+    throw InputError("contact.layer_distance_m must lie in (0, 0.01]");
+  if (!(config.barrier_distance_m > 0 && config.barrier_distance_m < config.distance_m))
+    throw InputError("contact.barrier_distance_m must lie in (0, contact.distance_m)");
+  if (!(config.barrier_Pa > 0)) throw InputError("contact.barrier_Pa must be > 0");
+}
+
+ContactSearch::ContactSearch(const Faces& cloth, const Eigen::VectorXd& areas,
+                             const Eigen::VectorXd& x, const BodyCollider& body,
+                             const ContactConfig& config, double friction)
+    : body_(body),
+      config_(config),
+      friction_(friction),
+      areas_(areas),
+      mean_area_(areas.mean()),
+      finder_(cloth, Eigen::Map<const Points3>(x.data(), areas.size(), 3), body.faces(),
+              body.vertices()),
+      cloth_tree_(Eigen::Map<const Points3>(x.data(), areas.size(), 3), cloth),
+      is_loose_(areas.size(), 0) {}
+
+double ContactSearch::known_share(const std::vector<int>& vertices, const Eigen::VectorXd& x,
+                                  const Eigen::VectorXd& step) const {
+  if (!is_known_) return 0;
+  double share = 1;
+  for (const int v : vertices) {
+    const Vec<3> strayed = x.segment<3>(3 * v) - found_at_.segment<3>(3 * v);
+    const Vec<3> further = step.segment<3>(3 * v);
+    const double room = reach_[v] - strayed.norm(), length = further.norm();
+    if (share * length > room) share = std::max(0.0, room / length);
+  }
+  return share;
+}
+
+Scene ContactSearch::scene_at(const Eigen::VectorXd& x) const {
+  Scene scene;
+  scene.positions.resize(count() + body_.vertices().rows(), 3);
+  scene.positions.topRows(count()) = Eigen::Map<const Points3>(x.data(), count(), 3);
+  scene.positions.bottomRows(body_.vertices().rows()) = body_.vertices();
+  scene.reach = Eigen::VectorXd::Zero(scene.positions.rows());
+  scene.is_face_off = body_.is_off();
+  if (has_loose_) scene.is_loose = is_loose_;
+  return scene;
+}
+
+void ContactSearch::prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step) {
+  if (may_cross_ || has_loose_) find_loose(x);
+  std::vector<int> all(areas_.size());
+  std::iota(all.begin(), all.end(), 0);
+  if (known_share(all, x, step) == 1) return;
+  reach_ = moves(x, x + step).array() + kStray;
+  Scene scene = scene_at(x);
+  scene.reach.head(count()) = reach_;
+  found_ = finder_.find(scene, {config_.layer_distance_m, config_.barrier_distance_m,
+                                config_.distance_m + kOutside});
+  found_at_ = x;
+  is_known_ = true;
+  ++search_count_;
+}
+
+void ContactSearch::find_loose(const Eigen::VectorXd& x) {
+  if (!may_cross_ && loose_at_ == x) return;
+  loose_at_ = x;
+  may_cross_ = false;
+  std::vector<char> before = std::move(is_loose_);
+  is_loose_.assign(count(), 0);
+  cloth_tree_.refit(Eigen::Map<const Points3>(x.data(), count(), 3));
+  for (const auto& [f, g] : intersecting_faces(cloth_tree_, body_.tree()))
+    for (int k = 0; k < 3 && !body_.is_off()[g]; ++k) is_loose_[cloth_tree_.faces()(f, k)] = 1;
+  std::vector<int> asked;
+  for (int v = 0; v < count(); ++v) {
+    if (is_loose_[v]) continue;
+    const Vec<3> place = x.segment<3>(3 * v);
+    const ClosestPoint nearest = body_.tree().closest(place, kDeep);
+    if (nearest.face < 0 || body_.is_off()[nearest.face]) continue;
+    if (body_.normal(nearest.face, nearest.barycentric).dot(place - nearest.point) < 0)
+      asked.push_back(v);
+  }
+  Points3 queries(asked.size(), 3);
+  for (size_t i = 0; i < asked.size(); ++i) queries.row(i) = x.segment<3>(3 * asked[i]).transpose();
+  const Eigen::VectorXd winding = winding_numbers(body_.tree(), queries);
+  for (size_t i = 0; i < asked.size(); ++i) is_loose_[asked[i]] = winding[i] > 0.5;
+  has_loose_ = std::find(is_loose_.begin(), is_loose_.end(), 1) != is_loose_.end();
+  if (is_loose_ != before) is_known_ = false;
+}
+
+std::vector<int> ContactSearch::pairs_at(const std::vector<int>& place) const {
+  std::vector<int> result;
+  for (size_t i = 0; i < found_.pairs.size(); ++i)
+    for (const int v : found_.pairs[i].vertices)
+      if (v < count() && place[v] >= 0) {
+        result.push_back(static_cast<int>(i));
+        break;
+      }
+  return result;
+}
+
+double ContactSearch::range_of(const NearPair& pair) const {
+  const bool is_with_body =
+      *std::max_element(pair.vertices.begin(), pair.vertices.end()) >= count();
+  return is_with_body ? config_.barrier_distance_m : config_.layer_distance_m;
+}
+
+PairPoints ContactSearch::points_of(const NearPair& pair, const Eigen::VectorXd& x) const {
+  PairPoints points;
+  for (int k = 0; k < 4; ++k) {
+    const int v = pair.vertices[k];
+    points.col(k) = v < count() ? Vec<3>(x.segment<3>(3 * v))
+                                : Vec<3>(body_.vertices().row(v - count()).transpose());
+  }
+  return points;
+}
+
+// The nearest body face supports the vertex; where another part of the body faces it from the other
+// side, as in an armpit, that part does too.
+void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor,
+                                 Touching& touching) const {
+  struct Support {
+    int face = -1;
+    Vec<3> barycentric, point, normal;
+    double distance;
+  };
+  if (is_loose_[vertex]) return add_pull(vertex, x, touching);
+  const int begin = found_.rest_start[vertex], end = found_.rest_start[vertex + 1];
+  if (begin == end) return;
+  const Points3& vertices = body_.vertices();
+  const auto support = [&](int face) {
+    const Vec<3> a = vertices.row(body_.faces()(face, 0)), b = vertices.row(body_.faces()(face, 1)),
+                 c = vertices.row(body_.faces()(face, 2));
+    Support s;
+    s.face = face;
+    s.barycentric = closest_on_triangle(x, a, b, c);
+    s.point = s.barycentric[0] * a + s.barycentric[1] * b + s.barycentric[2] * c;
+    s.distance = (x - s.point).norm();
+    s.normal = (b - a).cross(c - a).normalized();
+    return s;
+  };
+  std::array<Support, 2> supports;
+  std::vector<Support> all;
+  for (int i = begin; i < end; ++i) {
+    all.push_back(support(found_.rest_faces[i]));
+    if (supports[0].face < 0 || all.back().distance < supports[0].distance) supports[0] = all.back();
+  }
+  const double on = body_.share_on(supports[0].face, supports[0].barycentric);
+  if (on == 0) return;
+  constexpr double kOpposite = -0.5, kAlong = 0;  // cosine of the two normals
+  for (const Support& s : all)
+    if (!body_.is_off()[s.face] && s.normal.dot(supports[0].normal) < kAlong && s.normal.dot(x - s.point) > 0 &&
+        (supports[1].face < 0 || s.distance < supports[1].distance))
+      supports[1] = s;
+
+  Vec<3> direction;
+  double largest = 0;
+  for (const Support& s : supports) {
+    if (s.face < 0) continue;
+    const double share =
+        &s == &supports[0]
+            ? on
+            : smoothstep((s.normal.dot(supports[0].normal) - kAlong) / (kOpposite - kAlong));
+    Contact contact{vertex,
+                          s.face,
+                          s.barycentric,
+                          body_.normal(s.face, s.barycentric),
+                          config_.distance_m,
+                          share * config_.stiffness_N_per_m3 * areas_[vertex],
+                          x,
+                          0,
+                          false};
+    const BodyField field = body_.field(contact.body_face, contact.normal, x, 1);
+    contact.room = (field.phi - contact.distance) / kSteep;
+    touching.contacts.push_back(contact);
+    if (contact.room > 0) continue;
+    const double force = normal_force(contact, field.phi);
+    if (force > largest) {
+      largest = force;
+      direction = field.gradient.normalized();
+    }
+  }
+  if (!(largest > 0)) return;
+  if (anchor.face < 0) anchor = anchor_below(x, direction);
+  touching.frictions.push_back({vertex, body_.point(anchor.face, anchor.barycentric),
+                                direction, friction_ * largest,
+                                config_.stick_N_per_m3 * areas_[vertex]});
+}
+
+// The smooth surface does not reach deep inside: loose vertices are pulled to planes.
+void ContactSearch::add_pull(int vertex, const Vec<3>& x, Touching& touching) const {
+  const ClosestPoint nearest = body_.tree().closest(x, kDeep);
+  if (nearest.face < 0 || body_.is_off()[nearest.face]) return;
+  touching.contacts.push_back({vertex, nearest.face, nearest.barycentric,
+                               body_.normal(nearest.face, nearest.barycentric),
+                               kLift * config_.distance_m,
+                               config_.stiffness_N_per_m3 * areas_[vertex], x, 0, true});
+}
+
+// Where the body lies straight under a place, against the smooth normal there. Its nearest point will
+// not do: seen from 3 mm above, the facets' own normals put it aside by as much as a vertex slips.
+Anchor ContactSearch::anchor_below(const Vec<3>& place, const Vec<3>& normal) const {
+  constexpr int kMostTries = 8;
+  constexpr double kAside = 1e-7;  // m
+  Anchor anchor;
+  Vec<3> near = place;
+  for (int i = 0; i < kMostTries; ++i) {
+    const ClosestPoint closest = body_.tree().closest(near, 4 * config_.distance_m);
+    if (closest.face < 0) break;
+    anchor = {closest.face, closest.barycentric};
+    const Vec<3> off = closest.point - place;
+    const Vec<3> aside = off - normal * normal.dot(off);
+    if (aside.norm() < kAside) break;
+    near = closest.point - aside;
+  }
+  return anchor;
+}
+
+Touching ContactSearch::touching(const std::vector<int>& vertices, const Eigen::VectorXd& x,
+                                 std::vector<Anchor>& anchors) const {
+  Touching touching;
+  touching.body = &body_;
+  for (int v : vertices) add_contacts(v, x.segment<3>(3 * v), anchors[v], touching);
+  return touching;
+}
+
+template <typename Action>
+void ContactSearch::for_each_barrier(const std::vector<int>& pairs, const Eigen::VectorXd& x,
+                                     Action action) const {
+  const Eigen::VectorXd move = moves(found_at_, x);
+  for (const int i : pairs) {
+    const NearPair& pair = found_.pairs[i];
+    const double range = range_of(pair);
+    if (pair.distance - approach(pair, move) >= range) continue;
+    const PairPoints points = points_of(pair, x);
+    if (squared_pair_distance(pair.kind, points) >= range * range) continue;
+    action(Barrier{pair.vertices, pair.kind, range, config_.barrier_Pa * mean_area_,
+                   kParallel * mean_area_ * mean_area_},
+           points);
+  }
+}
+
+double ContactSearch::barrier_energy(const std::vector<int>& pairs, const Eigen::VectorXd& x) const {
+  double energy = 0;
+  for_each_barrier(pairs, x, [&](const Barrier& barrier, const PairPoints& points) {
+    energy += barrier_term(barrier, points, Order::kValue).value;
+  });
+  return energy;
+}
+
+std::vector<ActiveBarrier> ContactSearch::barriers(const std::vector<int>& pairs, const Eigen::VectorXd& x, Order order) const {
+  std::vector<ActiveBarrier> result;
+  for_each_barrier(pairs, x, [&](const Barrier& barrier, const PairPoints& points) {
+    result.push_back({barrier, barrier_term(barrier, points, order)});
+  });
+  return result;
+}
+
+double ContactSearch::free_share(const std::vector<int>& pairs, const Eigen::VectorXd& x,
+                                 const Eigen::VectorXd& step) const {
+  const Eigen::VectorXd reach = moves(found_at_, x) + moves(x, x + step);
+  double share = 1;
+  for (const int i : pairs) {
+    const NearPair& pair = found_.pairs[i];
+    if (pair.distance - approach(pair, reach) >= range_of(pair) / 2) continue;
+    PairPoints motion = PairPoints::Zero();
+    for (int k = 0; k < 4; ++k)
+      if (pair.vertices[k] < count())
+        motion.col(k) = share * step.segment<3>(3 * pair.vertices[k]);
+    share *= free_motion(pair.kind, points_of(pair, x), motion, kKeep);
+  }
+  return share;
+}
+
+// Impact zones (Provot 1997, "Collision and self-collision handling in cloth model dedicated to design
+// garments"): what would meet moves together, with the body if that is among it.
+double ContactSearch::make_way(const Scene& still, const Points3& body_motion,
+                               int passes, Eigen::VectorXd& step) {
+  const Eigen::Index all = still.positions.rows();
+  Scene scene = still;
+  scene.reach.setConstant(kApart);
+  scene.motion.resize(all, 3);
+  scene.motion.bottomRows(body_motion.rows()) = body_motion;
+  std::vector<int> zone(all);
+  std::iota(zone.begin(), zone.end(), 0);
+  const auto root = [&](int v) {
+    while (zone[v] != v) v = zone[v] = zone[zone[v]];
+    return v;
+  };
+  for (int pass = 0;; ++pass) {
+    scene.motion.topRows(count()) = Eigen::Map<const Points3>(step.data(), count(), 3);
+    double least = 1;
+    for (const NearPair& pair : finder_.find(scene, {0, 0, 0}).pairs) {
+      PairPoints points, motion;
+      for (int k = 0; k < 4; ++k) {
+        points.col(k) = scene.positions.row(pair.vertices[k]).transpose();
+        motion.col(k) = scene.motion.row(pair.vertices[k]).transpose();
+      }
+      const double share = free_motion(pair.kind, points, motion, kKeep);
+      if (share == 1) continue;
+      least = std::min(least, share);
+      for (int k = 1; k < 4; ++k) {
+        const int a = root(pair.vertices[0]), b = root(pair.vertices[k]);
+        zone[std::min(a, b)] = std::max(a, b);  // the root is of the body, if any of the zone is
+      }
+    }
+    if (least == 1 || pass == passes) return least;
+    Points3 sum = Points3::Zero(all, 3);
+    Eigen::VectorXd members = Eigen::VectorXd::Zero(all);
+    for (int v = 0; v < all; ++v) {
+      const int r = root(v);
+      if (r >= count() && v < count()) continue;
+      sum.row(r) += scene.motion.row(v);
+      ++members[r];
+    }
+    for (int v = 0; v < count(); ++v) {
+      const int r = root(v);
+      if (r != v || members[v] > 1) step.segment<3>(3 * v) = sum.row(r).transpose() / members[r];
+    }
+  }
+}
+
+double ContactSearch::free_share_with_body(const Eigen::VectorXd& x, const Points3& body_next,
+                                           const std::vector<char>& is_off_next,
+                                           Eigen::VectorXd& step) {
+  Scene scene = scene_at(x);
+  for (size_t f = 0; f < is_off_next.size(); ++f) {
+    scene.is_face_off[f] |= is_off_next[f];
+    may_cross_ |= scene.is_face_off[f] != 0;
+  }
+  return make_way(scene, body_next - body_.vertices(), 8, step);
+}
+
+double ContactSearch::free_share_without_body(const Eigen::VectorXd& x, Eigen::VectorXd& step) {
+  may_cross_ = true;
+  Scene scene = scene_at(x);
+  scene.is_face_off.assign(body_.faces().rows(), 1);
+  return make_way(scene, Points3::Zero(body_.vertices().rows(), 3), 40, step);
+}
+
+void ContactSearch::settle_anchors(const Eigen::VectorXd& x, std::vector<Anchor>& anchors) const {
+  std::vector<Anchor> before = anchors, settled(anchors.size());
+  std::vector<int> all(areas_.size());
+  std::iota(all.begin(), all.end(), 0);
+  const Touching touching = this->touching(all, x, before);
+  for (const Friction& friction : touching.frictions) {
+    const Vec<3> position = x.segment<3>(3 * friction.vertex);
+    const Vec<3> from_anchor = position - friction.anchor;
+    const Vec<3> slip = from_anchor - friction.normal * friction.normal.dot(from_anchor);
+    const double length = slip.norm();
+    const double slip_m = friction.limit / friction.stiffness;
+    if (length <= slip_m) {
+      settled[friction.vertex] = before[friction.vertex];
+      continue;
+    }
+    const Anchor follow = anchor_below(position - slip * (slip_m / length), friction.normal);
+    if (follow.face >= 0) settled[friction.vertex] = follow;
+  }
+  anchors = std::move(settled);
+}
+
+}  // namespace pleat::sim

@@ -1,0 +1,119 @@
+// What the cloth touches: the body's smooth surface under each vertex, with friction, and barriers
+// between features that must not pass through one another.
+#pragma once
+
+#include <vector>
+
+#include "sim/body_contact.h"
+#include "sim/forces/barrier.h"
+#include "sim/forces/contact.h"
+#include "sim/forces/friction.h"
+#include "sim/solver/near_pairs.h"
+
+namespace pleat::sim {
+
+struct ContactConfig {                // section `contact`
+  double distance_m = 0.0035;         // distance from the body's smooth surface at which it begins to push
+  double stiffness_N_per_m3 = 3e6;    // spring constant a unit of cloth area
+  double stick_N_per_m3 = 4e4;        // spring constant of sticking, a unit of cloth area
+  double layer_distance_m = 0.002;    // distance at which layers of cloth begin to push
+  double barrier_distance_m = 0.001;  // the same between cloth and the body's mesh
+  double barrier_Pa = 500;            // scale of that pressure
+};
+void validate(const ContactConfig& config);
+
+// The body point that a cloth vertex sticks to; face -1 where it touches nothing.
+struct Anchor {
+  int face = -1;
+  Vec<3> barycentric = Vec<3>::Zero();
+};
+
+// Contact with the smooth surface, frozen within a solver iteration.
+struct Touching {
+  const BodyCollider* body = nullptr;
+  std::vector<Contact> contacts;
+  std::vector<Friction> frictions;
+};
+
+// A barrier at work: its element and its derivatives at the place asked for.
+struct ActiveBarrier {
+  Barrier element;
+  BarrierTerm term;
+};
+
+class ContactSearch {
+ public:
+  // areas: of rest cloth at each vertex, m^2.
+  ContactSearch(const Faces& cloth, const Eigen::VectorXd& areas, const Eigen::VectorXd& x,
+                const BodyCollider& body, const ContactConfig& config, double friction);
+
+  // The body stands elsewhere now.
+  void forget() { is_known_ = false; }
+  // Vertices inside the body, or on cloth that crosses it, where the body is not switched off: they
+  // came there while it was. Nothing holds them off the body until springs have pulled them out.
+  bool has_loose() const { return has_loose_; }
+  // The largest share of the step on which these vertices stay where all that may come near is
+  // known, 0 .. 1.
+  double known_share(const std::vector<int>& vertices, const Eigen::VectorXd& x,
+                     const Eigen::VectorXd& step) const;
+  // Finds all that may come near on the way from x to x + step, where it is not known.
+  void prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step);
+  int search_count() const { return search_count_; }
+
+  // What follows holds where all is known.
+  Touching touching(const std::vector<int>& vertices, const Eigen::VectorXd& x,
+                    std::vector<Anchor>& anchors) const;
+  // Pairs with a vertex whose place is not negative.
+  std::vector<int> pairs_at(const std::vector<int>& place) const;
+  double barrier_energy(const std::vector<int>& pairs, const Eigen::VectorXd& x) const;
+  std::vector<ActiveBarrier> barriers(const std::vector<int>& pairs, const Eigen::VectorXd& x,
+                                      Order order) const;
+  // How much of the step the cloth may take without passing through anything: 0 .. 1.
+  double free_share(const std::vector<int>& pairs, const Eigen::VectorXd& x,
+                    const Eigen::VectorXd& step) const;
+
+  // The same where the body runs on to body_next meanwhile; needs nothing to be known. What is in the
+  // way of one another is first made to move together: changes `step`. is_off_next: body faces that
+  // are switched off there.
+  double free_share_with_body(const Eigen::VectorXd& x, const Points3& body_next,
+                              const std::vector<char>& is_off_next, Eigen::VectorXd& step);
+  // The same for the cloth alone; the body may pass through it.
+  double free_share_without_body(const Eigen::VectorXd& x, Eigen::VectorXd& step);
+
+  // After a drape: anchors of vertices that slid follow to the slip limit behind them, those that
+  // left the body are dropped.
+  void settle_anchors(const Eigen::VectorXd& x, std::vector<Anchor>& anchors) const;
+
+ private:
+  int count() const { return static_cast<int>(areas_.size()); }
+  double range_of(const NearPair& pair) const;
+  PairPoints points_of(const NearPair& pair, const Eigen::VectorXd& x) const;
+  Anchor anchor_below(const Vec<3>& place, const Vec<3>& normal) const;
+  void add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, Touching& touching) const;
+  void add_pull(int vertex, const Vec<3>& x, Touching& touching) const;
+  void find_loose(const Eigen::VectorXd& x);
+  Scene scene_at(const Eigen::VectorXd& x) const;
+  double make_way(const Scene& still, const Points3& body_motion, int passes,
+                  Eigen::VectorXd& step);
+  template <typename Action>
+  void for_each_barrier(const std::vector<int>& pairs, const Eigen::VectorXd& x,
+                        Action action) const;
+
+  const BodyCollider& body_;
+  ContactConfig config_;
+  double friction_;
+  Eigen::VectorXd areas_;
+  double mean_area_;
+  PairFinder finder_;
+  SurfaceTree cloth_tree_;
+  bool may_cross_ = true;  // something was allowed through since loose vertices were looked for
+  bool has_loose_ = false;
+  std::vector<char> is_loose_;
+  Eigen::VectorXd loose_at_;  // where they were looked for
+  bool is_known_ = false;
+  int search_count_ = 0;
+  PairFinder::Found found_;
+  Eigen::VectorXd found_at_, reach_;
+};
+
+}  // namespace pleat::sim

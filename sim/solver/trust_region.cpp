@@ -1,0 +1,53 @@
+#include "sim/solver/trust_region.h"
+
+#include <cmath>
+
+namespace pleat::sim {
+
+// p: the step, d: the direction, r: what is left of -gradient - H p, z = M^-1 r. pp, pd, dd are
+// products in the norm of M, which needs no product with M (Conn, Gould and Toint 2000, "Trust-Region
+// Methods", section 7.5.1).
+TrustRegionStep trust_region_step(const NewtonSystem& system, const Eigen::VectorXd& gradient,
+                                  double radius, const TrustRegionConfig& config,
+                                  const Preconditioner& precondition) {
+  constexpr double kFlat = 1e-6;  // curvature over that of M below which a direction counts as flat
+  TrustRegionStep result;
+  result.step = Eigen::VectorXd::Zero(gradient.size());
+  Eigen::VectorXd r = -gradient, z, Hd;
+  precondition(r, z);
+  Eigen::VectorXd d = z;
+  double rz = r.dot(z);
+  if (!(rz > 0)) return result;
+  if (!(radius > 0)) radius = std::sqrt(rz);
+  const double stop = config.tolerance * config.tolerance * rz;
+  double pp = 0, pd = 0, dd = rz;
+  while (true) {
+    ++result.iterations;
+    multiply(system, d, Hd);
+    const double curvature = d.dot(Hd), alpha = rz / curvature;
+    result.has_negative_curvature = !(curvature > kFlat * dd);
+    const double next_pp = pp + 2 * alpha * pd + alpha * alpha * dd;
+    if (result.has_negative_curvature || next_pp > radius * radius) {
+      const double tau = (-pd + std::sqrt(pd * pd + dd * (radius * radius - pp))) / dd;
+      result.step += tau * d;
+      result.model += -tau * rz + 0.5 * tau * tau * curvature;
+      result.at_radius = true;
+      result.length = radius;
+      return result;
+    }
+    result.step += alpha * d;
+    result.model -= 0.5 * alpha * rz;
+    pp = next_pp;
+    result.length = std::sqrt(pp);
+    r -= alpha * Hd;
+    precondition(r, z);
+    const double next = r.dot(z), beta = next / rz;
+    if (!(next > stop) || result.iterations >= config.max_iterations) return result;
+    pd = beta * (pd + alpha * dd);
+    dd = next + beta * beta * dd;
+    d = z + beta * d;
+    rz = next;
+  }
+}
+
+}  // namespace pleat::sim

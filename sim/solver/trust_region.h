@@ -1,0 +1,34 @@
+// A step that lowers the quadratic model of the energy as far as conjugate gradients and a radius
+// allow: Steihaug 1983, "The Conjugate Gradient Method and Trust Regions in Large Scale
+// Optimization". Where the model curves downwards the step goes on to the radius: out of saddles.
+#pragma once
+
+#include <functional>
+
+#include "sim/solver/newton_system.h"
+
+namespace pleat::sim {
+
+// Solves M z = r for the positive definite M in whose norm the radius is measured.
+using Preconditioner = std::function<void(const Eigen::VectorXd& r, Eigen::VectorXd& z)>;
+
+struct TrustRegionConfig {
+  double tolerance = 0.1;  // stop at this share of the residual, in the norm of M^-1
+  int max_iterations = 60;
+};
+
+struct TrustRegionStep {
+  Eigen::VectorXd step;
+  double length = 0;       // in the norm of M
+  double model = 0;        // change of energy that the model foretells, J, <= 0
+  bool at_radius = false;
+  bool has_negative_curvature = false;
+  int iterations = 0;
+};
+
+// radius <= 0: that of the first preconditioned gradient.
+TrustRegionStep trust_region_step(const NewtonSystem& system, const Eigen::VectorXd& gradient,
+                                  double radius, const TrustRegionConfig& config,
+                                  const Preconditioner& precondition);
+
+}  // namespace pleat::sim

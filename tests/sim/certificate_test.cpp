@@ -1,0 +1,117 @@
+#include "sim/certificate.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/sim/shapes.h"
+#include "tests/validation/judge.h"
+
+namespace pleat::sim {
+namespace {
+
+// A sheet over a ball, at rest in its panel's plane.
+struct Scene {
+  TriangleMesh ball = make_sphere(3, 0.15);
+  SurfaceTree posed{ball.vertices, ball.faces};
+  BodyCollider collider{ball.vertices, ball.faces};
+  Sheet sheet = make_sheet(0.4, 20, 0.16);
+  NewtonResult solved;
+  AcceptConfig accept;
+
+  Scene() {
+    solved.has_converged = solved.is_stable = true;
+    solved.residual = 5e-4;
+  }
+  Points3 positions() const {
+    return Eigen::Map<const Points3>(sheet.x.data(), sheet.x.size() / 3, 3);
+  }
+  garment::Certificate certificate() const {
+    return certify(positions(), sheet.faces, sheet.faces, sheet.rest, posed, collider, solved,
+                   accept);
+  }
+  void expect_rejected(const std::string& reason) const {
+    const garment::Certificate c = certificate();
+    EXPECT_FALSE(c.is_accepted);
+    EXPECT_EQ(c.reason, reason);
+  }
+};
+
+TEST(Certificate, AcceptsWhatIsInOrder) {
+  const Scene scene;
+  const garment::Certificate c = scene.certificate();
+  EXPECT_TRUE(c.is_accepted);
+  EXPECT_EQ(c.reason, "");
+  EXPECT_EQ(c.residual, 5e-4);
+  EXPECT_TRUE(c.is_stable);
+  EXPECT_NEAR(c.min_gap_m, 0.01, 1e-3);
+  EXPECT_NEAR(c.max_strain, 0, 1e-12);
+  EXPECT_EQ(c.body_intersections, 0);
+  EXPECT_EQ(c.overlap_intersections, 0);
+  EXPECT_EQ(c.self_intersections, 0);
+}
+
+TEST(Certificate, NamesWhatIsNot) {
+  Scene residual;
+  residual.solved.residual = 1.1e-3;
+  residual.expect_rejected("not settled");
+  Scene stable;
+  stable.solved.is_stable = false;
+  stable.expect_rejected("not stable");
+  Scene strained;
+  strained.sheet.rest /= 1.2;
+  strained.expect_rejected("too much strain");
+  Scene inside;
+  inside.sheet = make_sheet(0.05, 4, 0.13);
+  inside.expect_rejected("inside the body");
+}
+
+// Every pair of faces by CGAL, for sheets that are let down into the ball, crumpled or folded.
+TEST(Certificate, CountsAsCgalDoes) {
+  int with_body = 0, with_itself = 0;
+  for (const double height : {0.149, 0.12, 0.03})
+    for (const double crumple : {0.0, 0.003, 0.02}) {
+      Scene scene;
+      scene.sheet = make_sheet(0.4, 20, height);
+      shake(scene.sheet.x, crumple, "crumple");
+      const garment::Certificate c = scene.certificate();
+      EXPECT_EQ(c.body_intersections,
+                judge::crossings(scene.positions(), scene.sheet.faces, scene.ball.vertices,
+                                 scene.ball.faces));
+      EXPECT_EQ(c.self_intersections, judge::self_crossings(scene.positions(), scene.sheet.faces));
+      EXPECT_EQ(c.overlap_intersections, 0);
+      with_body += c.body_intersections;
+      with_itself += c.self_intersections;
+      scene.expect_rejected(c.self_intersections > 0 ? "crosses itself" : "crosses the body");
+    }
+  EXPECT_GT(with_body, 1000);
+  EXPECT_GT(with_itself, 100);
+}
+
+// Skin that gave way: the cloth lies in the body as posed, and outside of the body as it gave way.
+TEST(Certificate, CountsApartWhatGaveWay) {
+  Scene scene;
+  scene.sheet = make_sheet(0.4, 20, 0.145);
+  Points3 pressed = scene.ball.vertices;
+  for (Eigen::Index v = 0; v < pressed.rows(); ++v)
+    if (pressed(v, 1) > 0.1) pressed(v, 1) = 0.1 + 0.8 * (pressed(v, 1) - 0.1);
+  scene.collider.move_to(pressed);
+  const garment::Certificate c = scene.certificate();
+  EXPECT_TRUE(c.is_accepted) << c.reason;
+  EXPECT_EQ(c.body_intersections, 0);
+  EXPECT_EQ(c.overlap_intersections,
+            judge::crossings(scene.positions(), scene.sheet.faces, scene.ball.vertices,
+                             scene.ball.faces));
+  EXPECT_GT(c.overlap_intersections, 10);
+}
+
+TEST(Certificate, ChecksItsSettings) {
+  AcceptConfig config;
+  EXPECT_NO_THROW(validate(config));
+  config.residual = 0;
+  EXPECT_ANY_THROW(validate(config));
+  config = {};
+  config.strain_95 = -1;
+  EXPECT_ANY_THROW(validate(config));
+}
+
+}  // namespace
+}  // namespace pleat::sim
