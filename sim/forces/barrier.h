@@ -33,10 +33,10 @@ struct BarrierTerm {
   double slope = 0;  // dE/dd, N, negative
   double radial = 0;     // second derivative along r, N/m
   double rotational = 0;  // times the Hessian of D without its radial part, N/m: negative; 0 in a projected Hessian
-  Vec<3> unit;           // r / d
+  Vec<3> unit = Vec<3>::Zero();  // r / d
   PairDistance place;
-  Vec<3> across[2];      // change of r along each free parameter
-  Mat<2> inverse;        // of the matrix of their products
+  Vec<3> across[2] = {Vec<3>::Zero(), Vec<3>::Zero()};  // change of r along each free parameter
+  Mat<2> inverse = Mat<2>::Zero();  // of the matrix of their products
   // Of a pair that is faded out, which has no such factors: the derivatives themselves.
   struct Faded {
     PairPoints gradient;
