@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <utility>
 
 #include "body/fill_holes.h"
+#include "core/mesh.h"
 
 namespace pleat::body {
 namespace {
@@ -65,22 +65,6 @@ void mark_seen(const Eigen::Ref<const Points3>& vertices, const Faces& faces, co
   for (int f : owner) {
     if (f >= 0 && f < static_cast<int>(seen.size())) seen[f] = 1;
   }
-}
-
-// Faces across each edge, one row a face.
-Faces face_neighbours(const Faces& faces) {
-  std::map<std::pair<int, int>, int> face_of;
-  for (int f = 0; f < faces.rows(); ++f) {
-    for (int c = 0; c < 3; ++c) face_of[{faces(f, c), faces(f, (c + 1) % 3)}] = f;
-  }
-  Faces neighbours(faces.rows(), 3);
-  for (int f = 0; f < faces.rows(); ++f) {
-    for (int c = 0; c < 3; ++c) {
-      const auto it = face_of.find({faces(f, (c + 1) % 3), faces(f, c)});
-      neighbours(f, c) = it == face_of.end() ? -1 : it->second;
-    }
-  }
-  return neighbours;
 }
 
 // Connected patches of faces that share `mark`'s value.

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <map>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -121,6 +122,28 @@ Points3 face_normals(const Eigen::Ref<const Points3>& vertices, const Faces& fac
     result.row(f) = area_vector(vertices, faces, f).stableNormalized().transpose();
   }
   return result;
+}
+
+Faces face_neighbours(const Faces& faces) {
+  std::map<std::pair<int, int>, int> face_of;
+  for (int f = 0; f < faces.rows(); ++f) {
+    for (int c = 0; c < 3; ++c) face_of[{faces(f, c), faces(f, (c + 1) % 3)}] = f;
+  }
+  Faces neighbours(faces.rows(), 3);
+  for (int f = 0; f < faces.rows(); ++f) {
+    for (int c = 0; c < 3; ++c) {
+      const auto it = face_of.find({faces(f, (c + 1) % 3), faces(f, c)});
+      neighbours(f, c) = it == face_of.end() ? -1 : it->second;
+    }
+  }
+  return neighbours;
+}
+
+std::vector<std::vector<int>> vertex_neighbours(const Faces& faces, Eigen::Index vertex_count) {
+  std::vector<std::vector<int>> neighbours(vertex_count);
+  for (const Edge& edge : edges(faces))
+    for (int side : {0, 1}) neighbours[edge.vertices[side]].push_back(edge.vertices[1 - side]);
+  return neighbours;
 }
 
 Points3 vertex_normals(const Eigen::Ref<const Points3>& vertices, const Faces& faces) {

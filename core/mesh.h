@@ -26,6 +26,12 @@ struct Edge {
 // Sorted by vertices. Throws InputError where an edge has more than two faces.
 std::vector<Edge> edges(const Faces& faces);
 
+// Faces across each edge, from corner c to the next, one row a face; -1 where there is none. Of
+// consistently oriented faces.
+Faces face_neighbours(const Faces& faces);
+// Vertices that share an edge with each vertex.
+std::vector<std::vector<int>> vertex_neighbours(const Faces& faces, Eigen::Index vertex_count);
+
 // Row of each vertex sums face normals weighted by corner angle, then unit length. Zero for an
 // unused vertex.
 Points3 vertex_normals(const Eigen::Ref<const Points3>& vertices, const Faces& faces);

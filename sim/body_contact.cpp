@@ -18,9 +18,7 @@ constexpr double kOff = 0.0005;    // m: how far off the surface a vertex is ask
 // Vertices around each face that are near it along the surface.
 void find_near(const Points3& x, const Faces& faces, const Eigen::VectorXd& support,
                std::vector<int>& start, std::vector<int>& near) {
-  std::vector<std::vector<int>> neighbours(x.rows());
-  for (const Edge& edge : edges(faces))
-    for (int side : {0, 1}) neighbours[edge.vertices[side]].push_back(edge.vertices[1 - side]);
+  const std::vector<std::vector<int>> neighbours = vertex_neighbours(faces, x.rows());
   std::vector<int> seen(x.rows(), -1), front;
   start.assign(1, 0);
   near.clear();

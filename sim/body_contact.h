@@ -6,9 +6,9 @@
 // Partition of Unity Implicits"). It is twice differentiable, where distance to the mesh itself
 // has kinks along every edge at which a solver would cycle. docs/derivations/contact.md.
 //
-// Where the posed body touches or passes through itself (armpit, inner thigh, crease of an elbow), the
-// faces that cross others or lie inside are switched off: cloth there meets nothing. What is folded in the pose of construction too (lips, between fingers) stays on:
-// no cloth gets there. docs/solver.md tells why.
+// Where the posed body passes through itself (the crease of an elbow), the faces that cross others or
+// lie inside are switched off: cloth there meets nothing. What is folded in the pose of construction
+// too (lips, between fingers) stays on: no cloth gets there. docs/solver.md tells why.
 #pragma once
 
 #include <vector>

@@ -59,12 +59,11 @@ double largest_turn(const body::Pose& a, const body::Pose& b) {
 // One garment on one body, moving. Keeps the trees and the state between drapes.
 class Chain {
  public:
-  Chain(const garment::GarmentTopology& topology, const Points2& panels, const SkinWeights& weights,
+  Chain(const garment::GarmentTopology& topology, const Points2& panels,
         const body::BodyModel& model, const garment::Fabric& fabric, const SimulationConfig& config,
         const Wearer& start, const Points3& positions)
       : topology_(topology),
         panels_(panels),
-        weights_(weights),
         model_(model),
         config_(config),
         cloth_(make_cloth(topology.faces, topology.panel_faces, panels, topology.vertex_count,
@@ -196,7 +195,6 @@ class Chain {
 
   const garment::GarmentTopology& topology_;
   const Points2& panels_;
-  const SkinWeights& weights_;
   const body::BodyModel& model_;
   const SimulationConfig& config_;
   Cloth cloth_;
@@ -249,7 +247,7 @@ garment::Clip simulate(const garment::Garment& garment, const body::BodyModel& m
   clip.frame_rate_hz = motion.frame_rate_hz;
   clip.shape = shape;
   const Wearer mean{Eigen::VectorXd::Zero(shape.size()), body::Pose{}};
-  Chain chain(garment.topology, garment.panels, garment.weights, model, fabric, config, mean,
+  Chain chain(garment.topology, garment.panels, model, fabric, config, mean,
               garment.t_pose);
   double start = processor_seconds();
   ease_in(chain, {shape, motion.frames.front()}, config);
@@ -278,9 +276,7 @@ garment::Garment settle_garment(const garment::Design& design,
   const Eigen::VectorXd mean = Eigen::VectorXd::Zero(model.shape_directions.size());
   const body::ShapedBody shaped = body::shape_body(model, mean);
   const Points3 start = garment::place_around_body(topology, garment.panels, model, shaped);
-  SkinWeights at_root(topology.vertex_count, model.joint_count());
-  for (int v = 0; v < topology.vertex_count; ++v) at_root.insert(v, 0) = 1;
-  Chain chain(topology, garment.panels, at_root, model, fabric, config, {mean, body::Pose{}},
+  Chain chain(topology, garment.panels, model, fabric, config, {mean, body::Pose{}},
               start);
   constexpr int kTries = 4;  // sewing starts far from rest
   garment::Certificate certificate;

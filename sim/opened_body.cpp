@@ -47,10 +47,7 @@ BodyOpener::BodyOpener(const body::BodyModel& model)
     : faces_(model.faces),
       vertices_(t_pose(model)),
       part_(parts_of(model)),
-      neighbours_(part_.size()) {
-  for (const Edge& edge : edges(faces_))
-    for (int side : {0, 1})
-      neighbours_[edge.vertices[side]].push_back(edge.vertices[1 - side]);
+      neighbours_(vertex_neighbours(faces_, vertices_.rows())) {
   apart_.resize(part_.size(), kParts);
   constexpr double kFar = 0.1;
   for (int q = 0; q < kParts; ++q) {

@@ -78,8 +78,6 @@ void add_bendings(const Cloth& cloth, const Region& region, const Eigen::VectorX
   }
 }
 
-// The pattern of the whole Hessian, with the part of it that no step changes.
-
 }  // namespace
 
 Region whole(const Cloth& cloth) {

@@ -37,21 +37,4 @@ BlockMatrix make_pattern(int vertex_count, const std::vector<std::pair<int, int>
   return matrix;
 }
 
-void multiply(const BlockMatrix& matrix, const Eigen::VectorXd& x, Eigen::VectorXd& y) {
-  y.resize(x.size());
-  const double* value = matrix.values.data();
-  for (int row = 0; row < matrix.rows(); ++row) {
-    double s0 = 0, s1 = 0, s2 = 0;
-    for (int k = matrix.row_start[row]; k < matrix.row_start[row + 1]; ++k, value += 9) {
-      const double* p = x.data() + 3 * matrix.column[k];
-      s0 += value[0] * p[0] + value[1] * p[1] + value[2] * p[2];
-      s1 += value[3] * p[0] + value[4] * p[1] + value[5] * p[2];
-      s2 += value[6] * p[0] + value[7] * p[1] + value[8] * p[2];
-    }
-    y[3 * row] = s0;
-    y[3 * row + 1] = s1;
-    y[3 * row + 2] = s2;
-  }
-}
-
 }  // namespace pleat::sim

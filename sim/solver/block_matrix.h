@@ -33,7 +33,4 @@ struct BlockMatrix {
 // The pattern in which every pair of vertices of the given groups is coupled; values zero.
 BlockMatrix make_pattern(int vertex_count, const std::vector<std::pair<int, int>>& coupled);
 
-// y = A x
-void multiply(const BlockMatrix& matrix, const Eigen::VectorXd& x, Eigen::VectorXd& y);
-
 }  // namespace pleat::sim

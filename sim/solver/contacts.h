@@ -49,9 +49,6 @@ class ContactSearch {
 
   // The body stands elsewhere now.
   void forget() { is_known_ = false; }
-  // Vertices inside the body, or on cloth that crosses it, where the body is not switched off: they
-  // came there while it was. Nothing holds them off the body until springs have pulled them out.
-  bool has_loose() const { return has_loose_; }
   // The largest share of the step on which these vertices stay where all that may come near is
   // known, 0 .. 1.
   double known_share(const std::vector<int>& vertices, const Eigen::VectorXd& x,
@@ -107,6 +104,8 @@ class ContactSearch {
   PairFinder finder_;
   SurfaceTree cloth_tree_;
   bool may_cross_ = true;  // something was allowed through since loose vertices were looked for
+  // Vertices inside the body, or on cloth that crosses it, where the body is not switched off: they
+  // came there while it was. Nothing holds them off the body until springs have pulled them out.
   bool has_loose_ = false;
   std::vector<char> is_loose_;
   Eigen::VectorXd loose_at_;  // where they were looked for

@@ -26,18 +26,6 @@ std::vector<char> owned_features(const Faces& faces, Eigen::Index vertex_count) 
   return owned;
 }
 
-Faces faces_across(const Faces& faces) {
-  Faces across = Faces::Constant(faces.rows(), 3, -1);
-  for (const Edge& edge : edges(faces))
-    for (int side : {0, 1}) {
-      if (edge.faces[1] < 0) continue;
-      const int f = edge.faces[side];
-      for (int k = 0; k < 3; ++k)
-        if (faces(f, (k + 2) % 3) == edge.opposite[side]) across(f, k) = edge.faces[1 - side];
-    }
-  return across;
-}
-
 // A face at the start, and how far its corners may stray from there and from one another.
 struct Plate {
   Vec<3> corner[3], normal;
@@ -121,10 +109,10 @@ bool are_apart(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c, const Vec<3>& 
 
 PairFinder::PairFinder(const Faces& cloth, const Eigen::Ref<const Points3>& cloth_positions,
                        const Faces& body, const Eigen::Ref<const Points3>& body_positions)
-    : cloth_{cloth, 0, owned_features(cloth, cloth_positions.rows()), faces_across(cloth),
+    : cloth_{cloth, 0, owned_features(cloth, cloth_positions.rows()), face_neighbours(cloth),
              SweptTree(SurfaceTree(cloth_positions, cloth))},
       body_{body, static_cast<int>(cloth_positions.rows()),
-            owned_features(body, body_positions.rows()), faces_across(body),
+            owned_features(body, body_positions.rows()), face_neighbours(body),
             SweptTree(SurfaceTree(body_positions, body))} {}
 
 // Of a pair of features the distance can fall by the reaches of both, and by what they move against

@@ -172,24 +172,19 @@ bool Minimiser::advance(Patch& patch) {
   const NewtonSystem linear{cloth_, patch.region, system_.hessian, barriers_};
   const Eigen::VectorXd gradient = restrict_to(patch.region, system_.gradient);
   const double residual = gradient.norm() / cloth_.weight_norm;
-  TrustRegionStep solved;
-  if (patch.is_whole) {
-    const auto precondition = [&](const Eigen::VectorXd& r, Eigen::VectorXd& z) {
-      (coupled_ ? *coupled_ : uncoupled_).solve_roughly(r, z);
-    };
-    solved = trust_region_step(linear, gradient, patch.radius, {std::min(0.1, std::sqrt(residual)), 60},
-                               precondition);
-    result_.products += solved.iterations;
-  } else {
-    const std::vector<Mat<3>> inverse = inverse_blocks(linear);
-    const auto precondition = [&](const Eigen::VectorXd& r, Eigen::VectorXd& z) {
-      z.resize(r.size());
-      for (size_t i = 0; i < inverse.size(); ++i) z.segment<3>(3 * i) = inverse[i] * r.segment<3>(3 * i);
-    };
-    solved = trust_region_step(linear, gradient, patch.radius, {std::min(0.1, std::sqrt(residual)), 200},
-                               precondition);
-  }
+  std::vector<Mat<3>> inverse;
+  if (!patch.is_whole) inverse = inverse_blocks(linear);
+  const auto precondition = [&](const Eigen::VectorXd& r, Eigen::VectorXd& z) {
+    if (patch.is_whole) return (coupled_ ? *coupled_ : uncoupled_).solve_roughly(r, z);
+    z.resize(r.size());
+    for (size_t i = 0; i < inverse.size(); ++i)
+      z.segment<3>(3 * i) = inverse[i] * r.segment<3>(3 * i);
+  };
+  const TrustRegionStep solved = trust_region_step(
+      linear, gradient, patch.radius,
+      {std::min(0.1, std::sqrt(residual)), patch.is_whole ? 60 : 200}, precondition);
   patch.products = solved.iterations;
+  if (patch.is_whole) result_.products += solved.iterations;
 
   double longest = 0;
   for (size_t i = 0; i < patch.region.vertices.size(); ++i)

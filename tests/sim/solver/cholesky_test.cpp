@@ -6,9 +6,14 @@
 #include <numeric>
 
 #include "core/random.h"
+#include "tests/sim/dressed_ball.h"
 
 namespace pleat::sim {
 namespace {
+
+void multiply(const BlockMatrix& matrix, const Eigen::VectorXd& x, Eigen::VectorXd& y) {
+  y = dense(matrix) * x;
+}
 
 // A ring with chords; diagonally dominant blocks, so positive definite.
 BlockMatrix ring(int count) {
