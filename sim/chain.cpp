@@ -82,34 +82,17 @@ class Chain {
     for (const Edge& edge : edges(topology.faces)) edges_.push_back(edge.vertices);
   }
 
-  // Moves the wearer to `next`, the cloth going along, and settles it there. Nothing passes through
-  // anything on the way but where the body passes through itself, and, where the cloth is pinched and
-  // holds the body up, the body through the cloth.
+  // Moves the wearer to `next`, the cloth going along, in steps in which no joint turns far, and
+  // settles it there.
   NewtonResult advance(const Wearer& next, const NewtonConfig& last_step) {
-    const body::ShapedBody shaped = body::shape_body(model_, next.shape);
-    posed_.refit(body::pose_body(model_, shaped, next.pose));
-    const Points3 body_next = opener_.open(posed_.vertices());
-    next_tree_.refit(body_next);
-    const std::vector<char> is_off_next = collider_.overlaps(next_tree_);
+    const Wearer from = wearer_;
+    const double turn = largest_turn(from.pose, next.pose) * 180 / M_PI;
+    const int steps = std::max(1, static_cast<int>(std::ceil(turn / config_.ease_deg)));
     int iterations = 0;
-    double t = 0;
-    for (int step = 0; t < 1; ++step) {
-      const Points3 here = collider_.vertices();
-      Eigen::VectorXd motion = as_vector(carried(body_next)) - state_.x;
-      double share = contacts_.free_share_with_body(state_.x, body_next, is_off_next, motion);
-      if (step == kMostSteps || (step > 0 && share < kLeastShare)) {
-        const double cloth_share = contacts_.free_share_without_body(state_.x, motion);
-          state_.x += cloth_share * motion;
-        share = 1;
-      } else {
-        state_.x += share * motion;
-      }
-      t = share == 1 ? 1 : t + share * (1 - t);
-      collider_.move_to(share == 1 ? body_next : Points3(here + share * (body_next - here)));
-      contacts_.forget();
-      if (t < 1) iterations += settle(easing()).iterations;
+    for (int s = 1; s <= steps; ++s) {
+      iterations += carry(s < steps ? blend(from, next, static_cast<double>(s) / steps) : next);
+      if (s < steps) iterations += settle(easing()).iterations;
     }
-    wearer_ = next;
     NewtonResult result = settle(last_step);
     result.iterations += iterations;
     return result;
@@ -138,6 +121,37 @@ class Chain {
  private:
   static constexpr int kMostSteps = 16;
   static constexpr double kLeastShare = 0.02;
+
+  // Moves the body, the cloth going along, and settles it on the way where it is caught. Nothing passes
+  // through anything but where the body passes through itself, and, where the cloth is pinched and
+  // holds the body up, the body through the cloth. Returns the iterations that this took.
+  int carry(const Wearer& next) {
+    const body::ShapedBody shaped = body::shape_body(model_, next.shape);
+    posed_.refit(body::pose_body(model_, shaped, next.pose));
+    const Points3 body_next = opener_.open(posed_.vertices());
+    next_tree_.refit(body_next);
+    const std::vector<char> is_off_next = collider_.overlaps(next_tree_);
+    int iterations = 0;
+    double t = 0;
+    for (int step = 0; t < 1; ++step) {
+      const Points3 here = collider_.vertices();
+      Eigen::VectorXd motion = as_vector(carried(body_next)) - state_.x;
+      double share = contacts_.free_share_with_body(state_.x, body_next, is_off_next, motion);
+      if (step == kMostSteps || (step > 0 && share < kLeastShare)) {
+        const double cloth_share = contacts_.free_share_without_body(state_.x, motion);
+        state_.x += cloth_share * motion;
+        share = 1;
+      } else {
+        state_.x += share * motion;
+      }
+      t = share == 1 ? 1 : t + share * (1 - t);
+      collider_.move_to(share == 1 ? body_next : Points3(here + share * (body_next - here)));
+      contacts_.forget();
+      if (t < 1) iterations += settle(easing()).iterations;
+    }
+    wearer_ = next;
+    return iterations;
+  }
 
   // Where the cloth goes when the body moves on: what lies on the body goes with its surface, what
   // hangs free follows smoothly (a harmonic field between).
@@ -212,13 +226,10 @@ class Chain {
 };
 
 // From the T-pose on the mean body to the clip's shape, then to its first pose.
-void ease_in(Chain& chain, const Wearer& first, const SimulationConfig& config) {
+void ease_in(Chain& chain, const Wearer& first) {
   const Wearer shaped{first.shape, chain.wearer().pose};
   chain.advance(shaped, chain.easing());
-  const double turn = largest_turn(shaped.pose, first.pose);
-  const int steps = std::max(1, static_cast<int>(std::ceil(turn * 180 / M_PI / config.ease_deg)));
-  for (int s = 1; s <= steps; ++s)
-    chain.advance(blend(shaped, first, double(s) / steps), chain.easing());
+  chain.advance(first, chain.easing());
 }
 
 }  // namespace
@@ -250,7 +261,7 @@ garment::Clip simulate(const garment::Garment& garment, const body::BodyModel& m
   Chain chain(garment.topology, garment.panels, model, fabric, config, mean,
               garment.t_pose);
   double start = processor_seconds();
-  ease_in(chain, {shape, motion.frames.front()}, config);
+  ease_in(chain, {shape, motion.frames.front()});
   for (const body::Pose& pose : motion.frames) {
     const NewtonResult solved = chain.advance({shape, pose}, config.solver);
     garment::Certificate certificate = chain.certify(solved);

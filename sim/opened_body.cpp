@@ -18,14 +18,12 @@ constexpr int kRounds = 12;
 constexpr int kRings = 3;         // of skin around what is pressed that follow smoothly
 
 std::vector<int> parts_of(const body::BodyModel& model) {
-  enum { kTrunk, kLeftArm, kRightArm, kLeftLeg, kRightLeg };
-  constexpr std::array<int, body::kJoints> kPartOfJoint = {
-      kTrunk,    kLeftLeg,  kRightLeg, kTrunk,    kLeftLeg, kRightLeg, kTrunk,   kLeftLeg,
-      kRightLeg, kTrunk,    kLeftLeg,  kRightLeg, kTrunk,   kTrunk,    kTrunk,   kTrunk,
-      kLeftArm,  kRightArm, kLeftArm,  kRightArm, kLeftArm, kRightArm, kLeftArm, kRightArm};
+  // 0 trunk; left and right: 1, 2 upper arm, 3, 4 forearm, 5, 6 thigh, 7, 8 lower leg.
+  constexpr std::array<int, body::kJoints> kPartOfJoint = {0, 5, 6, 0, 7, 8, 0, 7, 8, 0, 7, 8,
+                                                           0, 0, 0, 0, 1, 2, 3, 4, 3, 4, 3, 4};
   std::vector<int> parts(model.template_vertices.rows());
   for (size_t v = 0; v < parts.size(); ++v) {
-    std::array<double, 5> weight = {};
+    std::array<double, BodyOpener::kParts> weight = {};
     for (SkinWeights::InnerIterator w(model.weights, static_cast<Eigen::Index>(v)); w; ++w) {
       int joint = static_cast<int>(w.col());
       while (joint >= body::kJoints) joint = model.parents[joint];

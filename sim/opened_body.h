@@ -16,14 +16,14 @@ namespace pleat::sim {
 
 class BodyOpener {
  public:
+  static constexpr int kParts = 9;
+
   explicit BodyOpener(const body::BodyModel& model);
 
   // posed: #V x 3, m. Returns where the skin is when it has given way.
   Points3 open(const Eigen::Ref<const Points3>& posed);
 
  private:
-  static constexpr int kParts = 5;
-
   // How the vertices want to move for room from other parts that come within max_distance.
   Points3 press(const std::vector<int>& vertices, double max_distance) const;
   void refit(const Points3& vertices);

@@ -15,6 +15,7 @@ constexpr double kOutside = 0.005;  // m: how far the smooth surface may lie out
 constexpr double kSteep = 1.6;      // the field grows no faster, where it matters
 constexpr double kApart = 1e-4;   // m: what never comes as near as twice this on the way is left out
 constexpr double kStray = 0.002;  // m: pairs stay known while vertices move as little as this
+constexpr double kStill = 0.002;  // m: what moves less keeps the faces that support it
 constexpr double kDeep = 0.04;    // m: as deep inside the body loose vertices are found
 constexpr double kParallel = 1e-3;  // sin^2 of 1.8 degrees, between edges of mean length
 constexpr double kLift = 2;       // contact distances that loose vertices are pulled out to
@@ -65,7 +66,13 @@ ContactSearch::ContactSearch(const Faces& cloth, const Eigen::VectorXd& areas,
       finder_(cloth, Eigen::Map<const Points3>(x.data(), areas.size(), 3), body.faces(),
               body.vertices()),
       cloth_tree_(Eigen::Map<const Points3>(x.data(), areas.size(), 3), cloth),
-      is_loose_(areas.size(), 0) {}
+      is_loose_(areas.size(), 0),
+      supports_(areas.size()) {}
+
+void ContactSearch::forget() {
+  is_known_ = false;
+  for (Supports& seen : supports_) seen.contacts.clear();
+}
 
 double ContactSearch::known_share(const std::vector<int>& vertices, const Eigen::VectorXd& x,
                                   const Eigen::VectorXd& step) const {
@@ -161,14 +168,15 @@ PairPoints ContactSearch::points_of(const NearPair& pair, const Eigen::VectorXd&
 
 // The nearest body face supports the vertex; where another part of the body faces it from the other
 // side, as in an armpit, that part does too.
-void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor,
-                                 Touching& touching) const {
+void ContactSearch::find_supports(int vertex, const Vec<3>& x, Supports& found) const {
   struct Support {
     int face = -1;
     Vec<3> barycentric, point, normal;
     double distance;
   };
-  if (is_loose_[vertex]) return add_pull(vertex, x, touching);
+  found.at = x;
+  found.contacts.clear();
+  found.leader = 0;
   const int begin = found_.rest_start[vertex], end = found_.rest_start[vertex + 1];
   if (begin == end) return;
   const Points3& vertices = body_.vertices();
@@ -193,12 +201,10 @@ void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor,
   if (on == 0) return;
   constexpr double kOpposite = -0.5, kAlong = 0;  // cosine of the two normals
   for (const Support& s : all)
-    if (!body_.is_off()[s.face] && s.normal.dot(supports[0].normal) < kAlong && s.normal.dot(x - s.point) > 0 &&
+    if (!body_.is_off()[s.face] && s.normal.dot(supports[0].normal) < kAlong &&
+        s.normal.dot(x - s.point) > 0 &&
         (supports[1].face < 0 || s.distance < supports[1].distance))
       supports[1] = s;
-
-  Vec<3> direction;
-  double largest = 0;
   for (const Support& s : supports) {
     if (s.face < 0) continue;
     const double share =
@@ -206,28 +212,44 @@ void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor,
             ? on
             : smoothstep((s.normal.dot(supports[0].normal) - kAlong) / (kOpposite - kAlong));
     Contact contact{vertex,
-                          s.face,
-                          s.barycentric,
-                          body_.normal(s.face, s.barycentric),
-                          config_.distance_m,
-                          share * config_.stiffness_N_per_m3 * areas_[vertex],
-                          x,
-                          0,
-                          false};
-    const BodyField field = body_.field(contact.body_face, contact.normal, x, 1);
-    contact.room = (field.phi - contact.distance) / kSteep;
-    touching.contacts.push_back(contact);
-    if (contact.room > 0) continue;
-    const double force = normal_force(contact, field.phi);
-    if (force > largest) {
-      largest = force;
-      direction = field.gradient.normalized();
-    }
+                    s.face,
+                    s.barycentric,
+                    body_.normal(s.face, s.barycentric),
+                    config_.distance_m,
+                    share * config_.stiffness_N_per_m3 * areas_[vertex],
+                    x,
+                    0,
+                    false};
+    contact.room =
+        (body_.field(contact.body_face, contact.normal, x, 0).phi - contact.distance) / kSteep;
+    found.contacts.push_back(contact);
   }
-  if (!(largest > 0)) return;
-  if (anchor.face < 0) anchor = anchor_below(x, direction);
+}
+
+void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor,
+                                 Touching& touching) {
+  if (is_loose_[vertex]) return add_pull(vertex, x, touching);
+  Supports& seen = supports_[vertex];
+  if (seen.contacts.empty() || (x - seen.at).squaredNorm() > kStill * kStill)
+    find_supports(vertex, x, seen);
+  std::array<double, 2> force = {0, 0};
+  std::array<Vec<3>, 2> direction;
+  for (size_t i = 0; i < seen.contacts.size(); ++i) {
+    const Contact& contact = seen.contacts[i];
+    touching.contacts.push_back(contact);
+    if (contact.room > 0 && (x - contact.seen_at).squaredNorm() < contact.room * contact.room)
+      continue;
+    const BodyField field = body_.field(contact.body_face, contact.normal, x, 1);
+    force[i] = normal_force(contact, field.phi);
+    direction[i] = field.gradient.normalized();
+  }
+  if (!(force[0] + force[1] > 0)) return;
+  constexpr double kFarStronger = 2;
+  if (force[1 - seen.leader] > kFarStronger * force[seen.leader]) seen.leader = 1 - seen.leader;
+  const Vec<3>& normal = direction[seen.leader];
+  if (anchor.face < 0) anchor = anchor_below(x, normal);
   touching.frictions.push_back({vertex, body_.point(anchor.face, anchor.barycentric),
-                                direction, friction_ * largest,
+                                normal, friction_ * (force[0] + force[1]),
                                 config_.stick_N_per_m3 * areas_[vertex]});
 }
 
@@ -261,7 +283,7 @@ Anchor ContactSearch::anchor_below(const Vec<3>& place, const Vec<3>& normal) co
 }
 
 Touching ContactSearch::touching(const std::vector<int>& vertices, const Eigen::VectorXd& x,
-                                 std::vector<Anchor>& anchors) const {
+                                 std::vector<Anchor>& anchors) {
   Touching touching;
   touching.body = &body_;
   for (int v : vertices) add_contacts(v, x.segment<3>(3 * v), anchors[v], touching);
@@ -382,7 +404,7 @@ double ContactSearch::free_share_without_body(const Eigen::VectorXd& x, Eigen::V
   return make_way(scene, Points3::Zero(body_.vertices().rows(), 3), 40, step);
 }
 
-void ContactSearch::settle_anchors(const Eigen::VectorXd& x, std::vector<Anchor>& anchors) const {
+void ContactSearch::settle_anchors(const Eigen::VectorXd& x, std::vector<Anchor>& anchors) {
   std::vector<Anchor> before = anchors, settled(anchors.size());
   std::vector<int> all(areas_.size());
   std::iota(all.begin(), all.end(), 0);

@@ -48,7 +48,7 @@ class ContactSearch {
                 const BodyCollider& body, const ContactConfig& config, double friction);
 
   // The body stands elsewhere now.
-  void forget() { is_known_ = false; }
+  void forget();
   // The largest share of the step on which these vertices stay where all that may come near is
   // known, 0 .. 1.
   double known_share(const std::vector<int>& vertices, const Eigen::VectorXd& x,
@@ -59,7 +59,7 @@ class ContactSearch {
 
   // What follows holds where all is known.
   Touching touching(const std::vector<int>& vertices, const Eigen::VectorXd& x,
-                    std::vector<Anchor>& anchors) const;
+                    std::vector<Anchor>& anchors);
   // Pairs with a vertex whose place is not negative.
   std::vector<int> pairs_at(const std::vector<int>& place) const;
   double barrier_energy(const std::vector<int>& pairs, const Eigen::VectorXd& x) const;
@@ -79,14 +79,23 @@ class ContactSearch {
 
   // After a drape: anchors of vertices that slid follow to the slip limit behind them, those that
   // left the body are dropped.
-  void settle_anchors(const Eigen::VectorXd& x, std::vector<Anchor>& anchors) const;
+  void settle_anchors(const Eigen::VectorXd& x, std::vector<Anchor>& anchors);
 
  private:
   int count() const { return static_cast<int>(areas_.size()); }
   double range_of(const NearPair& pair) const;
   PairPoints points_of(const NearPair& pair, const Eigen::VectorXd& x) const;
   Anchor anchor_below(const Vec<3>& place, const Vec<3>& normal) const;
-  void add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, Touching& touching) const;
+  // The body faces that support a vertex. They stay the same until it has moved on a little: in a
+  // crease, where the nearest of two sides changes with every step, the energy would else be another
+  // one each time.
+  struct Supports {
+    Vec<3> at;  // m, where the vertex stood when they were found
+    std::vector<Contact> contacts;
+    int leader = 0;  // whose tangent plane friction acts in
+  };
+  void find_supports(int vertex, const Vec<3>& x, Supports& found) const;
+  void add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, Touching& touching);
   void add_pull(int vertex, const Vec<3>& x, Touching& touching) const;
   void find_loose(const Eigen::VectorXd& x);
   Scene scene_at(const Eigen::VectorXd& x) const;
@@ -108,6 +117,7 @@ class ContactSearch {
   // came there while it was. Nothing holds them off the body until springs have pulled them out.
   bool has_loose_ = false;
   std::vector<char> is_loose_;
+  std::vector<Supports> supports_;  // of each vertex
   Eigen::VectorXd loose_at_;  // where they were looked for
   bool is_known_ = false;
   int search_count_ = 0;

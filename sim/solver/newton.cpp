@@ -17,9 +17,10 @@ constexpr double kNear = 30;      // residuals to reach: from there on the facto
 constexpr double kSlow = 0.01;    // of the caution: curvature that a stable equilibrium may lack
 constexpr double kHeld = 1e9;     // J/m^2: what the factor adds for a pinned vertex
 constexpr int kStale = 12;        // products that a step may take before its factor is renewed
-constexpr double kLanding = 0.6;  // of the contact distance: how deep a step may dip into it
+constexpr double kLanding = 0.6;  // of the contact distance, or what is left of it: no step dips deeper
 constexpr double kArmijo = 1e-4;  // of the slope: the least fall of the energy
 constexpr int kMostHalvings = 3;
+constexpr double kRounding = 1e-13;  // of the energy
 
 // The worst part of a cloth, where it is small: vertices with most of the squared residual, and some
 // rows around them.
@@ -62,9 +63,9 @@ class Minimiser {
   // What touches, and the system at x_. Returns the residual.
   double evaluate(Patch& patch, Order order);
   void know_pairs(Patch& patch);
-  // One step in the patch; false where it had to stop at what is not known.
-  bool advance(Patch& patch);
-  bool prepare_step(Patch& patch);
+  // One step in the patch.
+  void advance(Patch& patch);
+  void prepare_step(Patch& patch);
   void land();
   double energy_at(const Patch& patch, double length);
   bool factor(const Patch& all, const Eigen::VectorXd& shift);
@@ -128,21 +129,22 @@ void Minimiser::renew_factor(Patch& all) {
   evaluate(all, Order::kHessian);
 }
 
-// The whole cloth finds out what it may meet; a patch takes as much of the step as is known.
-bool Minimiser::prepare_step(Patch& patch) {
-  if (patch.is_whole) {
-    const int before = contacts_.search_count();
-    contacts_.prepare(x_, step_);
-    if (contacts_.search_count() == before) return true;
-    know_pairs(patch);
-    touching_ = contacts_.touching(patch.region.vertices, x_, anchors_);
-    return true;
+// Finds out what the step may meet. A patch rather takes a shorter step, where little is missing: a
+// search costs more than an iteration of a patch.
+void Minimiser::prepare_step(Patch& patch) {
+  constexpr double kLeast = 0.5;
+  if (!patch.is_whole) {
+    const double known = contacts_.known_share(patch.region.vertices, x_, step_);
+    if (known >= kLeast) {
+      step_ *= known;
+      return;
+    }
   }
-  constexpr double kLeast = 0.1;
-  const double known = contacts_.known_share(patch.region.vertices, x_, step_);
-  if (known < kLeast) return false;
-  step_ *= known;
-  return true;
+  const int before = contacts_.search_count();
+  contacts_.prepare(x_, step_);
+  if (contacts_.search_count() == before) return;
+  know_pairs(patch);
+  touching_ = contacts_.touching(patch.region.vertices, x_, anchors_);
 }
 
 // A step that would dip deep into the body ends on its surface: the model does not know of contacts
@@ -153,10 +155,10 @@ void Minimiser::land() {
     if (step_.segment<3>(3 * contact.vertex).norm() < contact.room) continue;
     const BodyField field = contact_field(contact, *touching_.body,
                                           here + step_.segment<3>(3 * contact.vertex), 1);
-    const double least = kLanding * contact.distance;
-    if (field.phi >= least) continue;
+    if (field.phi >= kLanding * contact.distance) continue;
     const double now = contact_field(contact, *touching_.body, here, 0).phi;
-    if (now < least) continue;  // the model knows of this one
+    const double least = kLanding * std::min(now, contact.distance);
+    if (now <= 0 || field.phi >= least) continue;
     step_.segment<3>(3 * contact.vertex) +=
         (least - field.phi) / field.gradient.squaredNorm() * field.gradient;
   }
@@ -168,7 +170,7 @@ double Minimiser::energy_at(const Patch& patch, double length) {
   return trial_.energy + contacts_.barrier_energy(patch.pairs, at);
 }
 
-bool Minimiser::advance(Patch& patch) {
+void Minimiser::advance(Patch& patch) {
   const NewtonSystem linear{cloth_, patch.region, system_.hessian, barriers_};
   const Eigen::VectorXd gradient = restrict_to(patch.region, system_.gradient);
   const double residual = gradient.norm() / cloth_.weight_norm;
@@ -191,9 +193,9 @@ bool Minimiser::advance(Patch& patch) {
     longest = std::max(longest, solved.step.segment<3>(3 * i).norm());
   const double cap = std::min(1.0, config_.max_step_m / longest);
   spread(patch.region, cap * solved.step, step_);
-  if (!prepare_step(patch)) return false;
+  prepare_step(patch);
   land();
-  if (!prepare_step(patch)) return false;
+  prepare_step(patch);
   double length = contacts_.free_share(patch.pairs, x_, step_);
 
   // What the model foretells of the step as it became.
@@ -202,21 +204,26 @@ bool Minimiser::advance(Patch& patch) {
   multiply(linear, direction, Hp);
   const double slope = std::min(0.0, direction.dot(gradient));
   const double foretold = length * direction.dot(gradient) + 0.5 * length * length * direction.dot(Hp);
+  const double rounding = kRounding * std::abs(system_.energy);
   double at = energy_at(patch, length);
-  const double ratio = foretold < 0 ? (system_.energy - at) / -foretold : -1;
-  int halvings = 0;
-  while (!(at <= system_.energy + kArmijo * length * slope) && halvings++ < kMostHalvings) {
+  double ratio = -1;
+  if (std::abs(foretold) <= rounding)
+    ratio = 1;  // neither is known any better
+  else if (foretold < 0)
+    ratio = (system_.energy - at) / -foretold;
+  const auto is_lower = [&] {
+    return at <= system_.energy + kArmijo * length * slope + rounding;
+  };
+  for (int halvings = 0; !is_lower() && halvings < kMostHalvings; ++halvings) {
     length /= 2;
     at = energy_at(patch, length);
   }
-  const bool is_lower = at <= system_.energy + kArmijo * length * slope;
-  if (is_lower) x_ += length * step_;
+  if (is_lower()) x_ += length * step_;
   if (patch.radius <= 0) patch.radius = solved.length;
-  if (!is_lower || ratio < 0.25)
-    patch.radius = 0.25 * solved.length * cap * std::max(length, 0.1);
+  if (!is_lower() || ratio < 0.25)
+    patch.radius = 0.5 * solved.length * cap * std::max(length, 0.1);
   else if (ratio > 0.75)
     patch.radius = std::max(patch.radius, 2 * solved.length);
-  return true;
 }
 
 // Where few vertices hold most of the residual, they and their surroundings are settled alone.
@@ -243,7 +250,8 @@ bool Minimiser::settle_worst() {
                                kLocalGoal * std::sqrt(total - sum) / cloth_.weight_norm);
   step_.setZero();
   for (int i = 0; i < kMostLocal; ++i) {
-    if (evaluate(patch, Order::kHessian) <= goal || !advance(patch)) break;
+    if (evaluate(patch, Order::kHessian) <= goal) break;
+    advance(patch);
     ++result_.local_iterations;
   }
   return true;
