@@ -17,7 +17,8 @@ constexpr double kNear = 30;      // residuals to reach: from there on the facto
 constexpr double kSlow = 0.01;    // of the caution: curvature that a stable equilibrium may lack
 constexpr double kHeld = 1e9;     // J/m^2: what the factor adds for a pinned vertex
 constexpr int kStale = 12;        // products that a step may take before its factor is renewed
-constexpr double kLanding = 0.6;  // of the contact distance, or what is left of it: no step dips deeper
+constexpr double kLanding = 0.6;  // of the contact distance: how deep a step may dip into it
+constexpr double kLanded = 0.7;   // unless it starts from below this
 constexpr double kArmijo = 1e-4;  // of the slope: the least fall of the energy
 constexpr int kMostHalvings = 3;
 constexpr double kRounding = 1e-13;  // of the energy
@@ -58,7 +59,8 @@ class Minimiser {
     double radius = 0;
     std::vector<int> pairs = {};  // barriers that may act on it,
     int pairs_of = -1;            // and the search that they are from
-    int products = 0;             // of the last step
+    int products = 0;             // of the last step,
+    bool was_good = true;         // which the model foretold
   };
   // What touches, and the system at x_. Returns the residual.
   double evaluate(Patch& patch, Order order);
@@ -155,10 +157,10 @@ void Minimiser::land() {
     if (step_.segment<3>(3 * contact.vertex).norm() < contact.room) continue;
     const BodyField field = contact_field(contact, *touching_.body,
                                           here + step_.segment<3>(3 * contact.vertex), 1);
-    if (field.phi >= kLanding * contact.distance) continue;
+    const double least = kLanding * contact.distance;
+    if (field.phi >= least) continue;
     const double now = contact_field(contact, *touching_.body, here, 0).phi;
-    const double least = kLanding * std::min(now, contact.distance);
-    if (now <= 0 || field.phi >= least) continue;
+    if (now < kLanded * contact.distance) continue;  // the model knows of this one
     step_.segment<3>(3 * contact.vertex) +=
         (least - field.phi) / field.gradient.squaredNorm() * field.gradient;
   }
@@ -220,7 +222,8 @@ void Minimiser::advance(Patch& patch) {
   }
   if (is_lower()) x_ += length * step_;
   if (patch.radius <= 0) patch.radius = solved.length;
-  if (!is_lower() || ratio < 0.25)
+  patch.was_good = is_lower() && ratio >= 0.25;
+  if (!patch.was_good)
     patch.radius = 0.5 * solved.length * cap * std::max(length, 0.1);
   else if (ratio > 0.75)
     patch.radius = std::max(patch.radius, 2 * solved.length);
@@ -284,7 +287,7 @@ NewtonResult Minimiser::run() {
     if (!is_near) result_.is_stable = false;
     advance(all);
     contacts_.prepare(x_, Eigen::VectorXd::Zero(x_.size()));
-    is_fresh = all.products <= kStale;
+    is_fresh = all.products <= kStale && all.was_good;
     ++result_.iterations;
   }
   return result_;
