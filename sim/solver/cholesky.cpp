@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 #include <omp.h>
 
+#include <algorithm>
 #include <numeric>
 #include <stdexcept>
 #include <vector>
@@ -38,10 +39,9 @@ struct Cholesky::Impl {
   cholmod_common common;
   cholmod_sparse* matrix = nullptr;  // lower triangle, column-compressed
   cholmod_factor* factor = nullptr;
-  std::vector<int> source;    // entry of `matrix` -> value in BlockMatrix::values
-  std::vector<int> diagonal;  // unknown -> entry of `matrix`
-  std::vector<int> vertex_order;
-  std::vector<float> rough;   // the factor's numbers in single precision
+  std::vector<int> order;               // vertices as they are eliminated
+  std::vector<int> block_start, block;  // pattern: each vertex's own block and those right of it
+  std::vector<float> rough;             // the factor's numbers in single precision
   mutable Eigen::VectorXf work, gathered;
 
   Impl() {
@@ -51,6 +51,13 @@ struct Cholesky::Impl {
     common.supernodal = CHOLMOD_SUPERNODAL;
     common.final_ll = 1;
     common.quick_return_if_not_posdef = 1;
+    // Wider supernodes: a tenth faster on cloth of 5,000 vertices than with the defaults.
+    common.nrelax[0] = 12;
+    common.nrelax[1] = 48;
+    common.nrelax[2] = 144;
+    common.zrelax[0] = 0.8;
+    common.zrelax[1] = 0.2;
+    common.zrelax[2] = 0.05;
   }
   ~Impl() {
     cholmod_free_factor(&factor, &common);
@@ -58,30 +65,56 @@ struct Cholesky::Impl {
     cholmod_finish(&common);
   }
 
-  // Column 3j+c of the lower triangle lists block row j's blocks at or right of the diagonal
-  // (symmetry).
+  // Where entry (3 block[k] + r, 3 j + c) of the lower triangle lies, k being one of vertex j's blocks:
+  // a column lists its own block from the diagonal down, then the others whole.
+  int entry(int j, int c, int k, int r) const {
+    const int nth = k - block_start[j];
+    return static_cast<const int*>(matrix->p)[3 * j + c] +
+           (nth == 0 ? r - c : 3 - c + 3 * (nth - 1) + r);
+  }
+
   void fill_pattern(const BlockMatrix& pattern) {
     const int vertices = pattern.rows(), unknowns = 3 * vertices;
-    std::vector<int> start(1, 0), row;
+    block_start.assign(1, 0);
+    block.clear();
+    for (int j = 0; j < vertices; ++j) {
+      block.insert(block.end(), pattern.column.begin() + pattern.diagonal[j],
+                   pattern.column.begin() + pattern.row_start[j + 1]);
+      block_start.push_back(static_cast<int>(block.size()));
+    }
+    cholmod_free_sparse(&matrix, &common);
+    matrix = cholmod_allocate_sparse(unknowns, unknowns, 9 * block.size() - 3 * vertices, 1, 1, -1,
+                                     CHOLMOD_REAL, &common);
+    int *start = static_cast<int*>(matrix->p), *row = static_cast<int*>(matrix->i), count = 0;
     for (int j = 0; j < vertices; ++j)
       for (int c = 0; c < 3; ++c) {
-        for (int k = pattern.diagonal[j]; k < pattern.row_start[j + 1]; ++k)
-          for (int r = 0; r < 3; ++r) {
-            if (pattern.column[k] == j && r < c) continue;
-            if (pattern.column[k] == j && r == c) diagonal.push_back(static_cast<int>(row.size()));
-            row.push_back(3 * pattern.column[k] + r);
-            source.push_back(9 * k + 3 * c + r);
-          }
-        start.push_back(static_cast<int>(row.size()));
+        start[3 * j + c] = count;
+        for (int k = block_start[j]; k < block_start[j + 1]; ++k)
+          for (int r = block[k] == j ? c : 0; r < 3; ++r) row[count++] = 3 * block[k] + r;
       }
-    matrix =
-        cholmod_allocate_sparse(unknowns, unknowns, row.size(), 1, 1, -1, CHOLMOD_REAL, &common);
-    std::copy(start.begin(), start.end(), static_cast<int*>(matrix->p));
-    std::copy(row.begin(), row.end(), static_cast<int*>(matrix->i));
+    start[unknowns] = count;
+  }
+
+  // False where the pattern has no place for some block.
+  bool fill_values(const BlockMatrix& from, const Eigen::VectorXd& shift) {
+    double* values = static_cast<double*>(matrix->x);
+    std::fill(values, values + matrix->nzmax, 0.0);
+    for (int j = 0; j < from.rows(); ++j) {
+      int k = block_start[j];
+      for (int b = from.diagonal[j]; b < from.row_start[j + 1]; ++b, ++k) {
+        while (k < block_start[j + 1] && block[k] != from.column[b]) ++k;
+        if (k == block_start[j + 1]) return false;
+        for (int c = 0; c < 3; ++c)
+          for (int r = block[k] == j ? c : 0; r < 3; ++r)
+            values[entry(j, c, k, r)] = from.values[9 * b + 3 * c + r];
+      }
+      for (int c = 0; c < 3; ++c) values[entry(j, c, block_start[j], c)] += shift[j];
+    }
+    return true;
   }
 
   // Fill-reducing order of the vertices.
-  std::vector<int> order(const BlockMatrix& pattern) {
+  std::vector<int> reduce_fill(const BlockMatrix& pattern) {
     const int vertices = pattern.rows();
     cholmod_sparse* graph = cholmod_allocate_sparse(vertices, vertices, pattern.column.size(), 1, 1,
                                                     -1, CHOLMOD_PATTERN, &common);
@@ -101,15 +134,15 @@ struct Cholesky::Impl {
     return permutation;
   }
 
-  // order: of the vertices, each of which gives its three unknowns.
-  void analyse(const std::vector<int>& order) {
-    vertex_order = order;
+  void analyse() {
     std::vector<int> expanded;
     for (int v : order)
       for (int c = 0; c < 3; ++c) expanded.push_back(3 * v + c);
     common.nmethods = 1;
     common.method[0].ordering = CHOLMOD_GIVEN;
+    cholmod_free_factor(&factor, &common);
     factor = cholmod_analyze_p(matrix, expanded.data(), nullptr, 0, &common);
+    rough.clear();
     if (!factor) throw std::runtime_error("CHOLMOD could not analyse the pattern");
   }
 };
@@ -117,25 +150,21 @@ struct Cholesky::Impl {
 Cholesky::Cholesky(const BlockMatrix& pattern) : impl_(std::make_unique<Impl>()) {
   const SingleThread single_thread;
   impl_->fill_pattern(pattern);
-  impl_->analyse(impl_->order(pattern));
+  impl_->order = impl_->reduce_fill(pattern);
+  impl_->analyse();
 }
-
-Cholesky::Cholesky(const BlockMatrix& pattern, const std::vector<int>& order)
-    : impl_(std::make_unique<Impl>()) {
-  const SingleThread single_thread;
-  impl_->fill_pattern(pattern);
-  impl_->analyse(order);
-}
-
-const std::vector<int>& Cholesky::order() const { return impl_->vertex_order; }
 
 Cholesky::~Cholesky() = default;
 
+bool Cholesky::has_factor() const { return !impl_->rough.empty(); }
+
 bool Cholesky::factor(const BlockMatrix& matrix, const Eigen::VectorXd& shift) {
   const SingleThread single_thread;
-  double* values = static_cast<double*>(impl_->matrix->x);
-  for (size_t e = 0; e < impl_->source.size(); ++e) values[e] = matrix.values[impl_->source[e]];
-  for (size_t u = 0; u < impl_->diagonal.size(); ++u) values[impl_->diagonal[u]] += shift[u / 3];
+  if (!impl_->fill_values(matrix, shift)) {
+    impl_->fill_pattern(matrix);
+    impl_->analyse();
+    impl_->fill_values(matrix, shift);
+  }
   if (!cholmod_factorize(impl_->matrix, impl_->factor, &impl_->common) ||
       impl_->common.status != CHOLMOD_OK)
     return false;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <stdexcept>
 
 #include "core/error.h"
@@ -38,7 +37,7 @@ class Minimiser {
       : cloth_(cloth),
         contacts_(contacts),
         config_(config),
-        uncoupled_(factor),
+        factor_(factor),
         x_(x),
         anchors_(anchors),
         shift_(cloth.vertex_count),
@@ -77,8 +76,7 @@ class Minimiser {
   const Cloth& cloth_;
   ContactSearch& contacts_;
   const NewtonConfig& config_;
-  Cholesky& uncoupled_;                 // factor without contact between layers of cloth
-  std::unique_ptr<Cholesky> coupled_;  // with it, where there is any
+  Cholesky& factor_;
   Eigen::VectorXd& x_;
   std::vector<Anchor>& anchors_;
   Eigen::VectorXd shift_;  // #V, J/m^2
@@ -105,14 +103,8 @@ double Minimiser::evaluate(Patch& patch, Order order) {
 
 // Factors the system as it stands, plus `shift`. False where that is not positive definite.
 bool Minimiser::factor(const Patch& all, const Eigen::VectorXd& shift) {
-  const BlockMatrix matrix = with_barriers({cloth_, all.region, system_.hessian, barriers_});
   ++result_.factorisations;
-  if (matrix.block_count() == system_.hessian.block_count()) {
-    coupled_.reset();
-    return uncoupled_.factor(matrix, shift);
-  }
-  coupled_ = std::make_unique<Cholesky>(matrix, uncoupled_.order());
-  return coupled_->factor(matrix, shift);
+  return factor_.factor(with_barriers({cloth_, all.region, system_.hessian, barriers_}), shift);
 }
 
 // Far from rest, a positive definite part of the Hessian serves; near it the Hessian itself, which
@@ -179,7 +171,7 @@ void Minimiser::advance(Patch& patch) {
   std::vector<Mat<3>> inverse;
   if (!patch.is_whole) inverse = inverse_blocks(linear);
   const auto precondition = [&](const Eigen::VectorXd& r, Eigen::VectorXd& z) {
-    if (patch.is_whole) return (coupled_ ? *coupled_ : uncoupled_).solve_roughly(r, z);
+    if (patch.is_whole) return factor_.solve_roughly(r, z);
     z.resize(r.size());
     for (size_t i = 0; i < inverse.size(); ++i)
       z.segment<3>(3 * i) = inverse[i] * r.segment<3>(3 * i);
@@ -273,7 +265,10 @@ NewtonResult Minimiser::run() {
       result_.has_converged = result_.is_stable || !config_.must_be_stable;
       if (result_.has_converged) break;
     }
-    if (result_.iterations >= config_.max_iterations) break;
+    if (result_.iterations >= config_.max_iterations) {
+      result_.is_stable = false;  // nobody looked
+      break;
+    }
     if (!is_settled && result_.iterations > 0 && !was_local) {
       was_local = settle_worst();
       if (was_local) {
