@@ -16,7 +16,7 @@ namespace pleat::sim {
 struct SimulationConfig {  // section `simulation`
   double ease_deg = 10;  // largest joint turn of one step on the way to a frame
   double ease_residual = 0.1;  // steps on the way need not settle fully
-  int ease_iterations = 8;
+  int ease_iterations = 4;
   NewtonConfig solver;
   ContactConfig contact;
   AcceptConfig accept;
