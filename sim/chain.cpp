@@ -122,9 +122,10 @@ class Chain {
   static constexpr int kMostSteps = 16;
   static constexpr double kLeastShare = 0.02;
 
-  // Moves the body, the cloth going along, and settles it on the way where it is caught. Nothing passes
-  // through anything but where the body passes through itself, and, where the cloth is pinched and
-  // holds the body up, the body through the cloth. Returns the iterations that this took.
+  // Moves the body, the cloth going along, and settles it on the way where it is caught. Nothing
+  // passes through anything but where the body passes through itself, and, where the cloth is
+  // pinched and holds the body up, the body through the cloth. Returns the iterations that this
+  // took.
   int carry(const Wearer& next) {
     const body::ShapedBody shaped = body::shape_body(model_, next.shape);
     posed_.refit(body::pose_body(model_, shaped, next.pose));
@@ -214,7 +215,7 @@ class Chain {
   Cloth cloth_;
   Wearer wearer_;
   BodyOpener opener_;
-  SurfaceTree posed_;  // the body as the pose has it, and
+  SurfaceTree posed_;      // the body as the pose has it, and
   BodyCollider collider_;  // as it gives way to itself
   SurfaceTree next_tree_;  // of the body where it goes
   Cholesky factor_;
@@ -258,8 +259,7 @@ garment::Clip simulate(const garment::Garment& garment, const body::BodyModel& m
   clip.frame_rate_hz = motion.frame_rate_hz;
   clip.shape = shape;
   const Wearer mean{Eigen::VectorXd::Zero(shape.size()), body::Pose{}};
-  Chain chain(garment.topology, garment.panels, model, fabric, config, mean,
-              garment.t_pose);
+  Chain chain(garment.topology, garment.panels, model, fabric, config, mean, garment.t_pose);
   double start = processor_seconds();
   ease_in(chain, {shape, motion.frames.front()});
   for (const body::Pose& pose : motion.frames) {
@@ -287,8 +287,7 @@ garment::Garment settle_garment(const garment::Design& design,
   const Eigen::VectorXd mean = Eigen::VectorXd::Zero(model.shape_directions.size());
   const body::ShapedBody shaped = body::shape_body(model, mean);
   const Points3 start = garment::place_around_body(topology, garment.panels, model, shaped);
-  Chain chain(topology, garment.panels, model, fabric, config, {mean, body::Pose{}},
-              start);
+  Chain chain(topology, garment.panels, model, fabric, config, {mean, body::Pose{}}, start);
   constexpr int kTries = 4;  // sewing starts far from rest
   garment::Certificate certificate;
   for (int i = 0; i < kTries && !certificate.is_accepted; ++i)

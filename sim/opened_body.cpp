@@ -10,12 +10,13 @@
 namespace pleat::sim {
 namespace {
 
-constexpr double kGap = 0.012;    // m, between parts: two layers of cloth and what keeps them off
-constexpr double kSlope = 0.3;    // near where parts join the gap is at most this share of the T-pose's
-constexpr double kDeepest = 0.06; // m: parts that pass deeper into one another are not parted
-constexpr double kJoined = 0.02;  // m: nearer in the T-pose, parts belong together
+constexpr double kGap = 0.012;  // m, between parts: two layers of cloth and what keeps them off
+constexpr double kSlope =
+    0.3;  // near where parts join the gap is at most this share of the T-pose's
+constexpr double kDeepest = 0.06;  // m: parts that pass deeper into one another are not parted
+constexpr double kJoined = 0.02;   // m: nearer in the T-pose, parts belong together
 constexpr int kRounds = 12;
-constexpr int kRings = 3;         // of skin around what is pressed that follow smoothly
+constexpr int kRings = 3;  // of skin around what is pressed that follow smoothly
 
 std::vector<int> parts_of(const body::BodyModel& model) {
   // 0 trunk; left and right: 1, 2 upper arm, 3, 4 forearm, 5, 6 thigh, 7, 8 lower leg.
@@ -90,8 +91,7 @@ Points3 BodyOpener::press(const std::vector<int>& vertices, double max_distance)
       const double apart = std::min<double>(apart_(v, q), other);
       const double opposed = std::clamp(-2 * normal.dot(outward), 0.0, 1.0);
       const double joined = std::clamp(2 * apart / kJoined - 1, 0.0, 1.0);
-      const double lack =
-          std::min(kGap, kSlope * apart) - outward.dot(place - nearest.point);
+      const double lack = std::min(kGap, kSlope * apart) - outward.dot(place - nearest.point);
       const double push = 0.5 * opposed * joined * lack;
       if (push <= most) continue;
       most = push;

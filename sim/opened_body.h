@@ -1,9 +1,9 @@
 // Room for cloth where a posed body touches or passes through itself: in the armpit, between the
 // thighs, where a hand rests on a hip.
 //
-// Trunk, arms and legs press one another's skin in, as flesh does, until a gap is left between them.
-// The pose stays as it is. A function of the pose alone: it does not depend on how it was reached.
-// docs/solver.md tells why.
+// Trunk, arms and legs press one another's skin in, as flesh does, until a gap is left between
+// them. The pose stays as it is. A function of the pose alone: it does not depend on how it was
+// reached. docs/solver.md tells why.
 #pragma once
 
 #include <array>
@@ -29,11 +29,12 @@ class BodyOpener {
   void refit(const Points3& vertices);
 
   Faces faces_;
-  Points3 vertices_, normals_;    // where they stand at the moment
-  std::vector<int> part_;         // of each vertex
+  Points3 vertices_, normals_;  // where they stand at the moment
+  std::vector<int> part_;       // of each vertex
   std::vector<Faces> part_faces_;
   std::vector<SurfaceTree> parts_;  // of faces whose corners are all in the part
-  Eigen::Matrix<float, Eigen::Dynamic, kParts> apart_;  // #V, m: distance to each part in the T-pose
+  Eigen::Matrix<float, Eigen::Dynamic, kParts>
+      apart_;  // #V, m: distance to each part in the T-pose
   std::vector<std::vector<int>> neighbours_;
 };
 

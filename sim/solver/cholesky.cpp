@@ -12,11 +12,12 @@
 namespace pleat::sim {
 namespace {
 
-// A drape owns one thread, and the bits of a sum must not depend on how many there are. OpenBLAS built
-// without threads is not safe to call from several; the one with them can be told to use one.
+// A drape owns one thread, and the bits of a sum must not depend on how many there are. OpenBLAS
+// built without threads is not safe to call from several; the one with them can be told to use one.
 void keep_blas_single() {
   static const bool is_told = [] {
-    const auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+    const auto set =
+        reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
     if (set) set(1);
     return true;
   }();
@@ -65,8 +66,8 @@ struct Cholesky::Impl {
     cholmod_finish(&common);
   }
 
-  // Where entry (3 block[k] + r, 3 j + c) of the lower triangle lies, k being one of vertex j's blocks:
-  // a column lists its own block from the diagonal down, then the others whole.
+  // Where entry (3 block[k] + r, 3 j + c) of the lower triangle lies, k being one of vertex j's
+  // blocks: a column lists its own block from the diagonal down, then the others whole.
   int entry(int j, int c, int k, int r) const {
     const int nth = k - block_start[j];
     return static_cast<const int*>(matrix->p)[3 * j + c] +
@@ -170,13 +171,12 @@ bool Cholesky::factor(const BlockMatrix& matrix, const Eigen::VectorXd& shift) {
     return false;
   const double* exact = static_cast<const double*>(impl_->factor->x);
   impl_->rough.resize(impl_->factor->xsize);
-  for (size_t i = 0; i < impl_->rough.size(); ++i)
-    impl_->rough[i] = static_cast<float>(exact[i]);
+  for (size_t i = 0; i < impl_->rough.size(); ++i) impl_->rough[i] = static_cast<float>(exact[i]);
   return true;
 }
 
-// Supernode s: columns super[s] .. super[s + 1] of the factor, dense, column-major, its rows listed in
-// s[pi[s]] .., the first of them those columns.
+// Supernode s: columns super[s] .. super[s + 1] of the factor, dense, column-major, its rows listed
+// in s[pi[s]] .., the first of them those columns.
 void Cholesky::solve_roughly(const Eigen::VectorXd& right_side, Eigen::VectorXd& solution) const {
   const cholmod_factor& factor = *impl_->factor;
   const int* super = static_cast<const int*>(factor.super);

@@ -10,15 +10,15 @@
 namespace pleat::sim {
 namespace {
 
-constexpr double kKeep = 0.1;     // of the distance of two features is left by any one step
+constexpr double kKeep = 0.1;       // of the distance of two features is left by any one step
 constexpr double kOutside = 0.005;  // m: how far the smooth surface may lie outside of the mesh
 constexpr double kSteep = 1.6;      // the field grows no faster, where it matters
-constexpr double kApart = 1e-4;   // m: what never comes as near as twice this on the way is left out
-constexpr double kStray = 0.002;  // m: pairs stay known while vertices move as little as this
-constexpr double kStill = 0.002;  // m: what moves less keeps the faces that support it
-constexpr double kDeep = 0.04;    // m: as deep inside the body loose vertices are found
+constexpr double kApart = 1e-4;  // m: what never comes as near as twice this on the way is left out
+constexpr double kStray = 0.002;    // m: pairs stay known while vertices move as little as this
+constexpr double kStill = 0.002;    // m: what moves less keeps the faces that support it
+constexpr double kDeep = 0.04;      // m: as deep inside the body loose vertices are found
 constexpr double kParallel = 1e-3;  // sin^2 of 1.8 degrees, between edges of mean length
-constexpr double kLift = 2;       // contact distances that loose vertices are pulled out to
+constexpr double kLift = 2;         // contact distances that loose vertices are pulled out to
 
 Eigen::VectorXd moves(const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
   Eigen::VectorXd result(from.size() / 3);
@@ -31,9 +31,8 @@ Eigen::VectorXd moves(const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
 double approach(const NearPair& pair, const Eigen::VectorXd& move) {
   const int count = static_cast<int>(move.size());
   const auto of = [&](int k) { return pair.vertices[k] < count ? move[pair.vertices[k]] : 0.0; };
-  return pair.kind == PairKind::kPointFace
-             ? of(0) + std::max({of(1), of(2), of(3)})
-             : std::max(of(0), of(1)) + std::max(of(2), of(3));
+  return pair.kind == PairKind::kPointFace ? of(0) + std::max({of(1), of(2), of(3)})
+                                           : std::max(of(0), of(1)) + std::max(of(2), of(3));
 }
 
 double smoothstep(double t) {
@@ -106,8 +105,8 @@ void ContactSearch::prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& ste
   reach_ = moves(x, x + step).array() + kStray;
   Scene scene = scene_at(x);
   scene.reach.head(count()) = reach_;
-  found_ = finder_.find(scene, {config_.layer_distance_m, config_.barrier_distance_m,
-                                config_.distance_m + kOutside});
+  found_ = finder_.find(
+      scene, {config_.layer_distance_m, config_.barrier_distance_m, config_.distance_m + kOutside});
   found_at_ = x;
   is_known_ = true;
   ++search_count_;
@@ -195,7 +194,8 @@ void ContactSearch::find_supports(int vertex, const Vec<3>& x, Supports& found) 
   std::vector<Support> all;
   for (int i = begin; i < end; ++i) {
     all.push_back(support(found_.rest_faces[i]));
-    if (supports[0].face < 0 || all.back().distance < supports[0].distance) supports[0] = all.back();
+    if (supports[0].face < 0 || all.back().distance < supports[0].distance)
+      supports[0] = all.back();
   }
   const double on = body_.share_on(supports[0].face, supports[0].barycentric);
   if (on == 0) return;
@@ -226,8 +226,7 @@ void ContactSearch::find_supports(int vertex, const Vec<3>& x, Supports& found) 
   }
 }
 
-void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor,
-                                 Touching& touching) {
+void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, Touching& touching) {
   if (is_loose_[vertex]) return add_pull(vertex, x, touching);
   Supports& seen = supports_[vertex];
   if (seen.contacts.empty() || (x - seen.at).squaredNorm() > kStill * kStill)
@@ -248,8 +247,8 @@ void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor,
   if (force[1 - seen.leader] > kFarStronger * force[seen.leader]) seen.leader = 1 - seen.leader;
   const Vec<3>& normal = direction[seen.leader];
   if (anchor.face < 0) anchor = anchor_below(x, normal);
-  touching.frictions.push_back({vertex, body_.point(anchor.face, anchor.barycentric),
-                                normal, friction_ * (force[0] + force[1]),
+  touching.frictions.push_back({vertex, body_.point(anchor.face, anchor.barycentric), normal,
+                                friction_ * (force[0] + force[1]),
                                 config_.stick_N_per_m3 * areas_[vertex]});
 }
 
@@ -257,14 +256,14 @@ void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor,
 void ContactSearch::add_pull(int vertex, const Vec<3>& x, Touching& touching) const {
   const ClosestPoint nearest = body_.tree().closest(x, kDeep);
   if (nearest.face < 0 || body_.is_off()[nearest.face]) return;
-  touching.contacts.push_back({vertex, nearest.face, nearest.barycentric,
-                               body_.normal(nearest.face, nearest.barycentric),
-                               kLift * config_.distance_m,
-                               config_.stiffness_N_per_m3 * areas_[vertex], x, 0, true});
+  touching.contacts.push_back(
+      {vertex, nearest.face, nearest.barycentric, body_.normal(nearest.face, nearest.barycentric),
+       kLift * config_.distance_m, config_.stiffness_N_per_m3 * areas_[vertex], x, 0, true});
 }
 
-// Where the body lies straight under a place, against the smooth normal there. Its nearest point will
-// not do: seen from 3 mm above, the facets' own normals put it aside by as much as a vertex slips.
+// Where the body lies straight under a place, against the smooth normal there. Its nearest point
+// will not do: seen from 3 mm above, the facets' own normals put it aside by as much as a vertex
+// slips.
 Anchor ContactSearch::anchor_below(const Vec<3>& place, const Vec<3>& normal) const {
   constexpr int kMostTries = 8;
   constexpr double kAside = 1e-7;  // m
@@ -306,7 +305,8 @@ void ContactSearch::for_each_barrier(const std::vector<int>& pairs, const Eigen:
   }
 }
 
-double ContactSearch::barrier_energy(const std::vector<int>& pairs, const Eigen::VectorXd& x) const {
+double ContactSearch::barrier_energy(const std::vector<int>& pairs,
+                                     const Eigen::VectorXd& x) const {
   double energy = 0;
   for_each_barrier(pairs, x, [&](const Barrier& barrier, const PairPoints& points) {
     energy += barrier_term(barrier, points, Order::kValue).value;
@@ -314,7 +314,8 @@ double ContactSearch::barrier_energy(const std::vector<int>& pairs, const Eigen:
   return energy;
 }
 
-std::vector<ActiveBarrier> ContactSearch::barriers(const std::vector<int>& pairs, const Eigen::VectorXd& x, Order order) const {
+std::vector<ActiveBarrier> ContactSearch::barriers(const std::vector<int>& pairs,
+                                                   const Eigen::VectorXd& x, Order order) const {
   std::vector<ActiveBarrier> result;
   for_each_barrier(pairs, x, [&](const Barrier& barrier, const PairPoints& points) {
     result.push_back({barrier, barrier_term(barrier, points, order)});
@@ -331,17 +332,16 @@ double ContactSearch::free_share(const std::vector<int>& pairs, const Eigen::Vec
     if (pair.distance - approach(pair, reach) >= range_of(pair) / 2) continue;
     PairPoints motion = PairPoints::Zero();
     for (int k = 0; k < 4; ++k)
-      if (pair.vertices[k] < count())
-        motion.col(k) = share * step.segment<3>(3 * pair.vertices[k]);
+      if (pair.vertices[k] < count()) motion.col(k) = share * step.segment<3>(3 * pair.vertices[k]);
     share *= free_motion(pair.kind, points_of(pair, x), motion, kKeep);
   }
   return share;
 }
 
-// Impact zones (Provot 1997, "Collision and self-collision handling in cloth model dedicated to design
-// garments"): what would meet moves together, with the body if that is among it.
-double ContactSearch::make_way(const Scene& still, const Points3& body_motion,
-                               int passes, Eigen::VectorXd& step) {
+// Impact zones (Provot 1997, "Collision and self-collision handling in cloth model dedicated to
+// design garments"): what would meet moves together, with the body if that is among it.
+double ContactSearch::make_way(const Scene& still, const Points3& body_motion, int passes,
+                               Eigen::VectorXd& step) {
   const Eigen::Index all = still.positions.rows();
   Scene scene = still;
   scene.reach.setConstant(kApart);

@@ -12,8 +12,8 @@
 
 namespace pleat::sim {
 
-struct ContactConfig {                // section `contact`
-  double distance_m = 0.0035;         // distance from the body's smooth surface at which it begins to push
+struct ContactConfig {         // section `contact`
+  double distance_m = 0.0035;  // distance from the body's smooth surface at which it begins to push
   double stiffness_N_per_m3 = 3e6;    // spring constant a unit of cloth area
   double stick_N_per_m3 = 4e4;        // spring constant of sticking, a unit of cloth area
   double layer_distance_m = 0.002;    // distance at which layers of cloth begin to push
@@ -69,9 +69,9 @@ class ContactSearch {
   double free_share(const std::vector<int>& pairs, const Eigen::VectorXd& x,
                     const Eigen::VectorXd& step) const;
 
-  // The same where the body runs on to body_next meanwhile; needs nothing to be known. What is in the
-  // way of one another is first made to move together: changes `step`. is_off_next: body faces that
-  // are switched off there.
+  // The same where the body runs on to body_next meanwhile; needs nothing to be known. What is in
+  // the way of one another is first made to move together: changes `step`. is_off_next: body faces
+  // that are switched off there.
   double free_share_with_body(const Eigen::VectorXd& x, const Points3& body_next,
                               const std::vector<char>& is_off_next, Eigen::VectorXd& step);
   // The same for the cloth alone; the body may pass through it.
@@ -87,8 +87,8 @@ class ContactSearch {
   PairPoints points_of(const NearPair& pair, const Eigen::VectorXd& x) const;
   Anchor anchor_below(const Vec<3>& place, const Vec<3>& normal) const;
   // The body faces that support a vertex. They stay the same until it has moved on a little: in a
-  // crease, where the nearest of two sides changes with every step, the energy would else be another
-  // one each time.
+  // crease, where the nearest of two sides changes with every step, the energy would else be
+  // another one each time.
   struct Supports {
     Vec<3> at;  // m, where the vertex stood when they were found
     std::vector<Contact> contacts;
@@ -118,7 +118,7 @@ class ContactSearch {
   bool has_loose_ = false;
   std::vector<char> is_loose_;
   std::vector<Supports> supports_;  // of each vertex
-  Eigen::VectorXd loose_at_;  // where they were looked for
+  Eigen::VectorXd loose_at_;        // where they were looked for
   bool is_known_ = false;
   int search_count_ = 0;
   PairFinder::Found found_;

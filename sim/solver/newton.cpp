@@ -10,20 +10,20 @@
 namespace pleat::sim {
 namespace {
 
-constexpr double kCaution = 30;   // 1/s^2 times the masses: what the factor adds to the Hessian
+constexpr double kCaution = 30;  // 1/s^2 times the masses: what the factor adds to the Hessian
 constexpr double kMostCaution = 1e12;  // times as much
-constexpr double kNear = 30;      // residuals to reach: from there on the factor is the Hessian's own
-constexpr double kSlow = 0.01;    // of the caution: curvature that a stable equilibrium may lack
-constexpr double kHeld = 1e9;     // J/m^2: what the factor adds for a pinned vertex
-constexpr int kStale = 12;        // products that a step may take before its factor is renewed
+constexpr double kNear = 30;    // residuals to reach: from there on the factor is the Hessian's own
+constexpr double kSlow = 0.01;  // of the caution: curvature that a stable equilibrium may lack
+constexpr double kHeld = 1e9;   // J/m^2: what the factor adds for a pinned vertex
+constexpr int kStale = 12;      // products that a step may take before its factor is renewed
 constexpr double kLanding = 0.6;  // of the contact distance: how deep a step may dip into it
 constexpr double kLanded = 0.7;   // unless it starts from below this
 constexpr double kArmijo = 1e-4;  // of the slope: the least fall of the energy
 constexpr int kMostHalvings = 3;
 constexpr double kRounding = 1e-13;  // of the energy
 
-// The worst part of a cloth, where it is small: vertices with most of the squared residual, and some
-// rows around them.
+// The worst part of a cloth, where it is small: vertices with most of the squared residual, and
+// some rows around them.
 constexpr double kWorstShare = 0.9;  // of the squared residual
 constexpr double kMostWorst = 0.05;  // of all vertices
 constexpr int kRowsAround = 3;       // in steps of the Hessian's pattern, two rows each
@@ -147,8 +147,8 @@ void Minimiser::land() {
   for (const Contact& contact : touching_.contacts) {
     const Vec<3> here = x_.segment<3>(3 * contact.vertex);
     if (step_.segment<3>(3 * contact.vertex).norm() < contact.room) continue;
-    const BodyField field = contact_field(contact, *touching_.body,
-                                          here + step_.segment<3>(3 * contact.vertex), 1);
+    const BodyField field =
+        contact_field(contact, *touching_.body, here + step_.segment<3>(3 * contact.vertex), 1);
     const double least = kLanding * contact.distance;
     if (field.phi >= least) continue;
     const double now = contact_field(contact, *touching_.body, here, 0).phi;
@@ -197,7 +197,8 @@ void Minimiser::advance(Patch& patch) {
   Eigen::VectorXd Hp;
   multiply(linear, direction, Hp);
   const double slope = std::min(0.0, direction.dot(gradient));
-  const double foretold = length * direction.dot(gradient) + 0.5 * length * length * direction.dot(Hp);
+  const double foretold =
+      length * direction.dot(gradient) + 0.5 * length * length * direction.dot(Hp);
   const double rounding = kRounding * std::abs(system_.energy);
   double at = energy_at(patch, length);
   double ratio = -1;
@@ -205,9 +206,7 @@ void Minimiser::advance(Patch& patch) {
     ratio = 1;  // neither is known any better
   else if (foretold < 0)
     ratio = (system_.energy - at) / -foretold;
-  const auto is_lower = [&] {
-    return at <= system_.energy + kArmijo * length * slope + rounding;
-  };
+  const auto is_lower = [&] { return at <= system_.energy + kArmijo * length * slope + rounding; };
   for (int halvings = 0; !is_lower() && halvings < kMostHalvings; ++halvings) {
     length /= 2;
     at = energy_at(patch, length);
@@ -241,8 +240,8 @@ bool Minimiser::settle_worst() {
   if (static_cast<double>(worst.size()) > kMostWorst * cloth_.vertex_count) return false;
   Patch patch{around(cloth_, worst, kRowsAround), false};
   if (2 * patch.region.vertices.size() > static_cast<size_t>(cloth_.vertex_count)) return false;
-  const double goal = std::max(0.3 * config_.residual,
-                               kLocalGoal * std::sqrt(total - sum) / cloth_.weight_norm);
+  const double goal =
+      std::max(0.3 * config_.residual, kLocalGoal * std::sqrt(total - sum) / cloth_.weight_norm);
   step_.setZero();
   for (int i = 0; i < kMostLocal; ++i) {
     if (evaluate(patch, Order::kHessian) <= goal) break;
