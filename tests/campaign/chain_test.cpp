@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "body/anny.h"
 #include "body/skinning.h"
@@ -63,9 +65,9 @@ class ChainTest : public testing::Test {
     omp_set_num_threads(threads);
     int frames = 0;
     const Eigen::VectorXd shape = Vec<2>(0.5, -0.5);
-    const garment::Clip clip =
-        simulate(dressed_->garment, dressed_->model, shape, arms_down(), garment::Fabric{},
-                 SimulationConfig{}, [&](const garment::Certificate&) { return ++frames < most_frames; });
+    const garment::Clip clip = simulate(
+        dressed_->garment, dressed_->model, shape, arms_down(), garment::Fabric{},
+        SimulationConfig{}, [&](const garment::Certificate&) { return ++frames < most_frames; });
     omp_set_num_threads(before);
     return clip;
   }
@@ -135,6 +137,25 @@ TEST_F(ChainTest, SleevesFollowTheArms) {
     right = height(positions, -1);
     EXPECT_NEAR(left, right, 0.01);
   }
+}
+
+// An arm goes right through the chest and comes out again: the sleeve is pulled out with it.
+TEST_F(ChainTest, RecoversFromWhatCannotBe) {
+  body::Motion motion = arms_down();
+  motion.frames = {motion.frames[0], motion.frames[0], motion.frames[0]};
+  motion.frames[1].rotations.row(16) << 0, -2.8, 0;
+  SimulationConfig config;
+  config.solver.max_iterations = 80;  // it will not settle, and need not try for long
+  std::vector<std::string> reasons;
+  simulate(dressed_->garment, dressed_->model, Vec<2>(0, 0), motion, garment::Fabric{}, config,
+           [&](const garment::Certificate& certificate) {
+             reasons.push_back(certificate.reason);
+             return true;
+           });
+  ASSERT_EQ(reasons.size(), 3u);
+  EXPECT_EQ(reasons[0], "");
+  EXPECT_NE(reasons[1], "");
+  EXPECT_EQ(reasons[2], "");
 }
 
 // Arms that hang down pass through the trunk; the skin of both gives way, and only there.
