@@ -59,4 +59,24 @@ inline TriangleMesh make_soup(int count, double size, const std::string& name) {
   return mesh;
 }
 
+// Triangles of a grid of columns x rows cells whose vertices run row by row. rises(column, row): whether a
+// cell's diagonal goes from its first corner to the opposite one.
+template <typename Rises>
+Faces grid_faces(int columns, int rows, Rises rises) {
+  const int stride = columns + 1;
+  Faces faces(2 * columns * rows, 3);
+  for (int j = 0, f = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const int v = j * stride + i;
+      if (rises(i, j)) {
+        faces.row(f++) << v, v + 1, v + stride + 1;
+        faces.row(f++) << v, v + stride + 1, v + stride;
+      } else {
+        faces.row(f++) << v, v + 1, v + stride;
+        faces.row(f++) << v + 1, v + stride + 1, v + stride;
+      }
+    }
+  return faces;
+}
+
 }  // namespace pleat

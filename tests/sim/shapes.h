@@ -23,20 +23,12 @@ inline Sheet make_sheet(double size, int cells, double height) {
   Sheet sheet;
   sheet.rest.resize(side * side, 2);
   sheet.x.resize(3 * side * side);
-  sheet.faces.resize(2 * cells * cells, 3);
-  for (int j = 0, f = 0; j < side; ++j)
+  sheet.faces = grid_faces(cells, cells, [](int i, int j) { return (i + j) % 2 != 0; });
+  for (int j = 0; j < side; ++j)
     for (int i = 0; i < side; ++i) {
       const int v = j * side + i;
       sheet.rest.row(v) << i * h - size / 2, j * h - size / 2;
       sheet.x.segment<3>(3 * v) << sheet.rest(v, 0), height, -sheet.rest(v, 1);
-      if (i == cells || j == cells) continue;
-      if ((i + j) % 2) {
-        sheet.faces.row(f++) << v, v + 1, v + side + 1;
-        sheet.faces.row(f++) << v, v + side + 1, v + side;
-      } else {
-        sheet.faces.row(f++) << v, v + 1, v + side;
-        sheet.faces.row(f++) << v + 1, v + side + 1, v + side;
-      }
     }
   return sheet;
 }

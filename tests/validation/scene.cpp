@@ -5,6 +5,7 @@
 #include <map>
 
 #include "garment/fabric_file.h"
+#include "tests/core/shapes.h"
 
 namespace pleat::sim {
 
@@ -12,22 +13,12 @@ Sheet make_grid(const Vec<2>& size, int columns, int rows, Diagonal diagonal) {
   const int stride = columns + 1;
   Sheet sheet;
   sheet.rest.resize(stride * (rows + 1), 2);
-  sheet.faces.resize(2 * columns * rows, 3);
-  for (int j = 0, f = 0; j <= rows; ++j)
-    for (int i = 0; i <= columns; ++i) {
-      const int v = j * stride + i;
-      sheet.rest.row(v) << size[0] * i / columns, size[1] * j / rows;
-      if (i == columns || j == rows) continue;
-      const bool rises =
-          diagonal == Diagonal::kAlternating ? (i + j) % 2 == 0 : diagonal == Diagonal::kRising;
-      if (rises) {
-        sheet.faces.row(f++) << v, v + 1, v + stride + 1;
-        sheet.faces.row(f++) << v, v + stride + 1, v + stride;
-      } else {
-        sheet.faces.row(f++) << v, v + 1, v + stride;
-        sheet.faces.row(f++) << v + 1, v + stride + 1, v + stride;
-      }
-    }
+  for (int j = 0; j <= rows; ++j)
+    for (int i = 0; i <= columns; ++i)
+      sheet.rest.row(j * stride + i) << size[0] * i / columns, size[1] * j / rows;
+  sheet.faces = grid_faces(columns, rows, [&](int i, int j) {
+    return diagonal == Diagonal::kAlternating ? (i + j) % 2 == 0 : diagonal == Diagonal::kRising;
+  });
   return sheet;
 }
 
