@@ -19,7 +19,8 @@ void validate(const StudyConfig& study) {
   if (study.threads < 0) throw InputError("threads must be >= 0 (0: all cores)");
   for (const std::vector<double>& shape : study.shapes)
     for (double beta : shape)
-      if (!(std::abs(beta) <= 5)) throw InputError("shapes: every beta must lie in [-5, 5]");
+      if (!(std::abs(beta) <= kMostBeta))
+        throw InputError("shapes: every beta must lie in [-5, 5]");
   for (const MotionEntry& motion : study.motions)
     if (motion.file.empty()) throw InputError("motions: an item has no `file`");
   for (const garment::Design& design : study.designs) garment::validate(design);

@@ -39,6 +39,8 @@ struct ReportConfig {       // section `report`
   int picture_height = 480;
 };
 
+constexpr double kMostBeta = 5;  // of |beta|
+
 struct StudyConfig {
   std::string output;  // folder for everything that is made
   uint64_t seed = 1;

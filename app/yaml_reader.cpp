@@ -10,10 +10,22 @@
 #include <sstream>
 #include <vector>
 
+#include "app/lists.h"
 #include "core/error.h"
 
 namespace pleat::app {
 namespace {
+
+// `designs` and `shapes` as maps: one of these.
+struct DesignSource {
+  std::string file;  // that lists them
+  std::optional<DesignGrid> grid;
+  std::optional<RandomDesigns> random;
+};
+struct ShapeSource {
+  std::optional<ShapeGrid> grid;
+  std::optional<RandomShapes> random;
+};
 
 // One list of keys a struct serves to read and to write: `visit(key, field)`.
 
@@ -43,6 +55,47 @@ void fields(V& visit, garment::Design& c) {
   visit("sleeve", c.sleeve);
   visit("cleavage", c.cleavage);
   visit("held_out", c.is_held_out);
+}
+template <typename V>
+void fields(V& visit, DesignGrid& c) {
+  visit("length", c.length);
+  visit("sleeve", c.sleeve);
+  visit("cleavage", c.cleavage);
+}
+template <typename V>
+void fields(V& visit, RandomDesigns& c) {
+  visit("count", c.count);
+  visit("length", c.length);
+  visit("sleeve", c.sleeve);
+  visit("cleavage", c.cleavage);
+  visit("held_out", c.held_out);
+}
+template <typename V>
+void fields(V& visit, DesignSource& c) {
+  visit("file", c.file);
+  visit("grid", c.grid);
+  visit("random", c.random);
+}
+template <typename V>
+void fields(V& visit, ShapeGrid& c) {
+  visit("betas", c.betas);
+}
+template <typename V>
+void fields(V& visit, RandomShapes& c) {
+  visit("count", c.count);
+  visit("betas", c.betas);
+  visit("sigma", c.sigma);
+  visit("limit", c.limit);
+}
+template <typename V>
+void fields(V& visit, ShapeSource& c) {
+  visit("grid", c.grid);
+  visit("random", c.random);
+}
+template <typename V>
+void fields(V& visit, MotionFolder& c) {
+  visit("folder", c.folder);
+  visit("held_out", c.held_out);
 }
 template <typename V>
 void fields(V& visit, GarmentConfig& c) {
@@ -196,11 +249,31 @@ size_t edit_distance(const std::string& a, const std::string& b) {
   return row[b.size()];
 }
 
+// "path:line: " of the value that a message such as "motion.frame_rate_hz = 0; ..." is about; of
+// the map that it is missing from, or only the path where that is the whole file.
+std::string place_of(const std::string& message, const YAML::Node& root, const std::string& path) {
+  constexpr const char* kKeyLetters =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.";
+  std::istringstream keys(message.substr(0, message.find_first_not_of(kKeyLetters)));
+  YAML::Node node = root;
+  for (std::string key; std::getline(keys, key, '.');) {
+    const YAML::Node& map = node;
+    const YAML::Node child = map.IsMap() ? map[key] : YAML::Node(YAML::NodeType::Undefined);
+    if (!child) break;
+    node.reset(child);
+  }
+  if (node.is(root)) return path + ": ";
+  return path + ":" + std::to_string(node.Mark().line + 1) + ": ";
+}
+
 // Reads one map of the file; what no field asked for is unknown.
 class Reader {
  public:
-  Reader(const YAML::Node& node, std::string file, std::string prefix)
-      : node_(node), file_(std::move(file)), prefix_(std::move(prefix)) {
+  // seed: of a whole study, whose `motions`, `shapes` and `designs` may be maps that tell how to
+  // make the lists.
+  Reader(const YAML::Node& node, std::string file, std::string prefix,
+         std::optional<uint64_t> seed = std::nullopt)
+      : node_(node), file_(std::move(file)), prefix_(std::move(prefix)), seed_(seed) {
     if (!node.IsMap())
       fail(node, prefix_.empty() ? "the file" : prefix_, "is not a map of keys and values");
   }
@@ -281,23 +354,59 @@ class Reader {
   template <typename T>
   void read(const YAML::Node& node, const std::string& key, std::vector<T>& values) const {
     if (!node.IsSequence()) fail(node, key, "is not a list");
+    if (node.size() > kMostItems)
+      fail(node, key,
+           "has " + std::to_string(node.size()) + " items; expected at most " +
+               std::to_string(kMostItems));
     values.assign(node.size(), T{});
     for (size_t i = 0; i < node.size(); ++i)
       read(node[i], key + "[" + std::to_string(i) + "]", values[i]);
   }
-  // `designs` may name a file that lists them.
+
+  // `motions`, `shapes` and `designs`, where not plain lists.
+  bool tells_how(const YAML::Node& list) const { return seed_ && list.IsMap(); }
+  template <typename T, typename Make>  // what is wrong gets its place
+  void make(std::vector<T>& list, Make make) const {
+    try {
+      list = make();
+    } catch (const InputError& e) {
+      throw InputError(place_of(e.what(), node_, file_) + e.what());
+    }
+  }
   void read(const YAML::Node& node, const std::string& key,
             std::vector<garment::Design>& designs) const {
-    if (!node.IsMap()) return read<garment::Design>(node, key, designs);
-    std::string file;
-    Reader reader(node, file_, key);
-    reader("file", file);
-    reader.finish();
-    if (file.empty())
+    if (!tells_how(node)) return read<garment::Design>(node, key, designs);
+    DesignSource source;
+    read(node, key, source);
+    if (!source.file.empty() + source.grid.has_value() + source.random.has_value() != 1)
       fail(node, key,
-           "needs a list of designs, or `file:` with the path of a file that lists them");
-    read_design_file(file, designs);
+           "needs a list of designs, or one of `file:` (of a file that lists them), `grid:` and "
+           "`random:`");
+    if (!source.file.empty()) return read_design_file(source.file, designs);
+    make(designs, [&] {
+      return source.grid ? designs_of(*source.grid) : designs_of(*source.random, *seed_);
+    });
   }
+  void read(const YAML::Node& node, const std::string& key,
+            std::vector<std::vector<double>>& shapes) const {
+    if (!tells_how(node)) return read<std::vector<double>>(node, key, shapes);
+    ShapeSource source;
+    read(node, key, source);
+    if (source.grid.has_value() + source.random.has_value() != 1)
+      fail(node, key, "needs a list of shapes, or one of `grid:` and `random:`");
+    make(shapes,
+         [&] { return source.grid ? shapes_of(*source.grid) : shapes_of(*source.random, *seed_); });
+  }
+  void read(const YAML::Node& node, const std::string& key,
+            std::vector<MotionEntry>& motions) const {
+    if (!tells_how(node)) return read<MotionEntry>(node, key, motions);
+    MotionFolder source;
+    read(node, key, source);
+    if (source.folder.empty())
+      fail(node, key, "needs a list of motions, or `folder:` with the path of a folder of them");
+    make(motions, [&] { return motions_of(source); });
+  }
+
   template <typename T>
   std::enable_if_t<std::is_class_v<T>> read(const YAML::Node& node, const std::string& key,
                                             T& value) const {
@@ -309,16 +418,17 @@ class Reader {
 
   YAML::Node node_;
   std::string file_, prefix_;
+  std::optional<uint64_t> seed_;
   std::vector<std::string> known_;
 };
 
 YAML::Node load(const std::string& path) {
-  constexpr uintmax_t kMostBytes = 16 << 20;
+  constexpr uintmax_t kMostBytes = 64 << 20;  // lists as long as kMostItems allows
   std::error_code error;
   const uintmax_t size = std::filesystem::file_size(path, error);
   if (error) throw InputError(path + ": cannot be read: " + error.message());
   if (size > kMostBytes)
-    throw InputError(path + ": is larger than a configuration can be (16 MiB)");
+    throw InputError(path + ": is larger than a configuration can be (64 MiB)");
   std::ifstream stream(path);
   if (!stream) throw InputError(path + ": cannot be read");
   try {
@@ -331,28 +441,9 @@ YAML::Node load(const std::string& path) {
 }
 
 void Reader::read_design_file(const std::string& path, std::vector<garment::Design>& designs) {
-  const YAML::Node root = load(path);
-  Reader reader(root, path, "");
-  reader.known_.push_back("designs");
-  const YAML::Node list = root["designs"];
-  if (list) reader.read<garment::Design>(list, "designs", designs);  // itself, not a further file
+  Reader reader(load(path), path, "");
+  reader("designs", designs);  // a plain list, not a further file
   reader.finish();
-}
-
-// "path:line: " of the value that a message such as "motion.frame_rate_hz = 0; ..." is about; only
-// the path where the file does not have it.
-std::string place_of(const std::string& message, const YAML::Node& root, const std::string& path) {
-  constexpr const char* kKeyLetters =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.";
-  std::istringstream keys(message.substr(0, message.find_first_not_of(kKeyLetters)));
-  YAML::Node node = root;
-  for (std::string key; std::getline(keys, key, '.');) {
-    const YAML::Node& map = node;
-    const YAML::Node child = map.IsMap() ? map[key] : YAML::Node(YAML::NodeType::Undefined);
-    if (!child) return path + ": ";
-    node.reset(child);
-  }
-  return path + ":" + std::to_string(node.Mark().line + 1) + ": ";
 }
 
 // Writes every key with its value.
@@ -422,7 +513,8 @@ StudyConfig read_study(const std::string& path) {
   StudyConfig study;
   const YAML::Node root = load(path);
   try {
-    Reader reader(root, path, "");
+    Reader(root, path, "")("seed", study.seed);  // first, as lists may be drawn by it
+    Reader reader(root, path, "", study.seed);
     fields(reader, study);
     reader.finish();
   } catch (const YAML::Exception& e) {

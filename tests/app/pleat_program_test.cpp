@@ -103,6 +103,8 @@ TEST(PleatProgram, RefusesAWrongStudy) {
   inputs.expect_study_refused({"study.yaml:6", "simulaton", "`simulation`"});
   inputs.more = "simulation: {ease_deg: -6}\n";
   inputs.expect_study_refused({"study.yaml:5", "simulation.ease_deg"});
+  inputs.more = "shapes:\n  random: {count: 0, betas: 2}\n";
+  inputs.expect_study_refused({"study.yaml:6: shapes.random.count = 0", "1 .. 100000"});
   inputs.more = "output: elsewhere\n";
   inputs.expect_study_refused({"study.yaml:5", "output", "twice"});
   inputs.more = "shapes: [[], [0, 0, 0, 1]]\n";  // the box has three directions

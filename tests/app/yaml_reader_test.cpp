@@ -285,6 +285,145 @@ TEST(YamlReader, TakesDesignsFromAFile) {
   EXPECT_INPUT_ERROR(none.read(), none.at(4), "designs", "`file:`");
 }
 
+// A study of which one list is given by `text`.
+std::string study_with(const std::string& list, const std::string& text) {
+  std::string study = "output: out\nbody: {file: b.npz}\n";
+  if (list != "motions") study += "motions: [{file: w.npz}]\n";
+  if (list != "designs") study += "designs: [{name: tee}]\n";
+  return study + list + ": " + text + "\n";
+}
+
+TEST(YamlReader, TakesDesignsAndShapesFromGrids) {
+  const StudyConfig designs =
+      Study(study_with("designs", "{grid: {length: [0.3, 1], cleavage: [0, 0.5]}}")).read();
+  ASSERT_EQ(designs.designs.size(), 4u);
+  EXPECT_EQ(designs.designs[1].name, "l0.3_s0.25_c0.5");
+  EXPECT_EQ(designs.designs[1].sleeve, garment::Design{}.sleeve);
+  EXPECT_TRUE(designs.encode.held_out_designs->empty());
+  const StudyConfig shapes = Study(study_with("shapes", "{grid: {betas: [[-2, 2], [1]]}}")).read();
+  EXPECT_THAT(shapes.shapes, ElementsAre(ElementsAre(-2, 1), ElementsAre(2, 1)));
+}
+
+TEST(YamlReader, DrawsDesignsAndShapesByTheSeedWhereverItStands) {
+  const std::string designs = "{random: {count: 4, length: [0.5, 1], sleeve: 0.3, held_out: 1}}";
+  const std::string shapes = "{random: {count: 3, betas: 2, sigma: 0.5, limit: 1}}";
+  const std::string text = study_with("designs", designs) + "shapes: " + shapes + "\n";
+  const StudyConfig before = Study("seed: 7\n" + text).read();
+  const StudyConfig after = Study(text + "seed: 7\n").read();
+  const StudyConfig other = Study(text + "seed: 8\n").read();
+  ASSERT_EQ(before.designs.size(), 4u);
+  ASSERT_EQ(before.shapes.size(), 3u);
+  EXPECT_EQ(to_yaml(after), to_yaml(before));
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_NE(other.designs[k].length, before.designs[k].length);
+    EXPECT_GE(before.designs[k].length, 0.5);
+    EXPECT_EQ(before.designs[k].sleeve, 0.3);
+  }
+  EXPECT_NE(other.shapes, before.shapes);
+  EXPECT_THAT(*before.encode.held_out_designs, ElementsAre("random_0"));
+}
+
+TEST(YamlReader, TakesMotionsFromAFolder) {
+  const Scratch scratch;
+  const std::string folder = scratch.path("amass");
+  std::filesystem::create_directories(folder + "/CMU/01");
+  for (const std::string file : {"/CMU/01/run.npz", "/CMU/01/shape.npz", "/walk.bvh"})
+    write_bytes(folder + file, "");
+  const std::string text = "{folder: " + folder + ", held_out: [walk]}";
+  const StudyConfig study = Study(study_with("motions", text)).read();
+  ASSERT_EQ(study.motions.size(), 2u);
+  EXPECT_EQ(study.motions[0].name, "CMU/01/run");
+  EXPECT_EQ(study.motions[0].file, folder + "/CMU/01/run.npz");
+  EXPECT_THAT(study.encode.held_out_motions, ElementsAre("walk"));
+}
+
+TEST(YamlReader, EffectiveConfigurationListsWhatWasMade) {
+  std::string text = study_with("designs", "{random: {count: 20, held_out: 3}}") +
+                     "shapes: {random: {count: 20, betas: 4}}\nseed: 5\n";
+  const std::string list = "motions: [{file: w.npz}]\n";
+  std::string config;
+  StudyConfig study;
+  {
+    const Scratch scratch;
+    write_bytes(scratch.path("a b.bvh"), "");
+    write_bytes(scratch.path("1.50.npz"), "");
+    text.replace(text.find(list), list.size(),
+                 "motions: {folder: " + scratch.path("") + ", held_out: ['1.50']}\n");
+    study = Study(text).read();
+    config = to_yaml(study);
+  }  // neither folder nor draws are needed from here on
+  for (const std::string key : {"random:", "folder:", "count:", "sigma:"})
+    EXPECT_EQ(config.find(key), std::string::npos) << key;
+  const StudyConfig again = Study(config).read();
+  EXPECT_EQ(to_yaml(again), config);
+  EXPECT_EQ(again.shapes, study.shapes);
+  ASSERT_EQ(again.designs.size(), 20u);
+  for (int k = 0; k < 20; ++k) {
+    EXPECT_EQ(again.designs[k].name, study.designs[k].name);
+    EXPECT_EQ(again.designs[k].length, study.designs[k].length);
+    EXPECT_EQ(again.designs[k].is_held_out, k < 3);
+  }
+  ASSERT_EQ(again.motions.size(), 2u);
+  EXPECT_EQ(again.motions[0].name, "1.50");
+  EXPECT_EQ(again.motions[1].file, study.motions[1].file);
+  EXPECT_EQ(again.encode.held_out_motions, study.encode.held_out_motions);
+  EXPECT_EQ(again.encode.held_out_designs, study.encode.held_out_designs);
+}
+
+TEST(YamlReader, WrongListNamesPlaceAndKey) {
+  const Scratch scratch;
+  write_bytes(scratch.path("walk.bvh"), "");
+  const std::string folder = scratch.path("");
+  struct Case {
+    std::string list, text;
+    int line;  // after the first of the list
+    std::vector<std::string> parts;
+  };
+  for (const Case& c : std::vector<Case>{
+           {"designs", "{}", 0, {"designs needs a list", "`file:`", "`grid:`", "`random:`"}},
+           {"designs", "{grid: {}, random: {count: 1}}", 0, {"designs needs", "one of"}},
+           {"designs", "{file: a.yaml, grid: {}}", 0, {"designs needs", "one of"}},
+           {"designs", "{grd: {}}", 0, {"designs.grd", "`grid`"}},
+           {"designs", "{grid: {lenght: [1]}}", 0, {"designs.grid.lenght", "`length`"}},
+           {"designs", "{grid: 3}", 0, {"designs.grid", "not a map"}},
+           {"designs", "{grid: {length: 1}}", 0, {"designs.grid.length", "not a list"}},
+           {"designs", "{grid: {length: [x]}}", 0, {"designs.grid.length[0] = x", "a number"}},
+           {"designs", "\n  grid:\n    sleeve: [0, 2]", 2, {"designs.grid.sleeve = 2", "0 .. 1"}},
+           {"designs", "\n  random:\n    count: 0", 2, {"designs.random.count = 0", "1 .. 100000"}},
+           {"designs", "\n  random:\n    sleeve: [0, 1]", 2, {"designs.random.count = 0"}},
+           {"designs", "{random: {count: 1.5}}", 0, {"designs.random.count = 1.5", "whole"}},
+           {"designs", "{random: {count: 2, sigma: 1}}", 0, {"designs.random.sigma", "known"}},
+           {"designs", "{random: {count: 2, length: [1, 0]}}", 0, {"designs.random.length"}},
+           {"shapes", "{}", 0, {"shapes needs a list", "`grid:`", "`random:`"}},
+           {"shapes", "{grid: {}}", 0, {"shapes.grid.betas", "empty"}},
+           {"shapes", "{grid: {betas: [1, 2]}}", 0, {"shapes.grid.betas[0]", "not a list"}},
+           {"shapes", "{grid: {betas: {grid: {betas: [[1]]}}}}", 0, {"grid.betas", "not a list"}},
+           {"shapes", "\n  grid:\n    betas: [[0], [9]]", 2, {"shapes.grid.betas[1] = 9"}},
+           {"shapes", "{random: {count: 2}}", 0, {"shapes.random.betas = 0", "1 .. "}},
+           {"shapes", "{random: {count: 2, beta: 2}}", 0, {"shapes.random.beta", "`betas`"}},
+           {"shapes", "{random: {count: 2, betas: 2, limit: 9}}", 0, {"shapes.random.limit = 9"}},
+           {"shapes", "{file: a.yaml}", 0, {"shapes.file", "known: grid, random"}},
+           {"motions", "[]", 0, {"motions: the list is empty"}},
+           {"motions", "{}", 0, {"motions needs a list", "`folder:`"}},
+           {"motions", "{foldr: x}", 0, {"motions.foldr", "`folder`"}},
+           {"motions", "{folder: " + folder + "x}", 0, {"motions.folder: ", "No such file"}},
+           {"motions", "\n  held_out: [leap]\n  folder: " + folder, 1, {"no motion 'leap'"}},
+           {"designs", "[]", 0, {"designs: the list is empty"}},
+           {"shapes", "[]", 0, {"shapes: the list is empty"}}}) {
+    SCOPED_TRACE(c.list + ": " + c.text);
+    const Study study(study_with(c.list, c.text));
+    const int line = (c.list == "shapes" ? 5 : 4) + c.line;
+    for (const std::string& part : c.parts) EXPECT_INPUT_ERROR(study.read(), study.at(line), part);
+  }
+}
+
+TEST(YamlReader, RefusesAListWithoutEnd) {
+  std::string shapes = "[";
+  for (int k = 0; k < 100001; ++k) shapes += "[],";
+  const Study study(study_with("shapes", shapes + "]"));
+  EXPECT_INPUT_ERROR(study.read(), study.at(5), "shapes has 100001 items", "at most 100000");
+}
+
 TEST(YamlReader, SettingsOfAStageAreThoseItDependsOn) {
   const StudyConfig study = Study(kLeast).read();
   StudyConfig other = study;
