@@ -15,6 +15,9 @@ namespace pleat {
 namespace {
 
 [[noreturn]] void fail(const std::string& path, int error) {
+  if (error == ENOSPC || error == EDQUOT)
+    throw ResourceError(path + ": cannot be written: " + std::strerror(error) +
+                        "; make room and give the same command again");
   throw InputError(path + ": cannot be written: " + std::strerror(error));
 }
 

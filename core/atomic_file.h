@@ -5,6 +5,8 @@
 
 namespace pleat {
 
+// What follows throws ResourceError where the disk is full.
+
 // Makes an empty file of an unused name beside `path` and returns its name. InputError where it
 // cannot.
 std::string make_temporary_file(const std::string& path);

@@ -12,4 +12,12 @@ class InputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// The machine is at fault, for now: the disk is full, memory is short. The same command, given again
+// once there is room, goes on. The program prints the message and exits with code 75, which batch
+// systems take as "try again".
+class ResourceError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 }  // namespace pleat

@@ -5,12 +5,15 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/sha256.h"
 
 namespace pleat {
 namespace {
@@ -218,9 +221,38 @@ Id select_rows(hid_t file_space, const Dims& dims, int64_t first, int64_t rows,
   return Id(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose);
 }
 
+// HDF5 tells that it could not write, not why: nearly always for want of room.
+[[noreturn]] void fail_to_write(const std::string& where) {
+  throw ResourceError(where + " cannot be written: is the disk full? Make room and give the same " +
+                      "command again");
+}
+
 void check_written(herr_t status, bool is_misfit, const std::string& where) {
   if (is_misfit) throw InputError(where + ": a number does not fit the integer type to store");
-  if (status < 0) throw InputError(where + " cannot be written; is the disk full?");
+  if (status < 0) fail_to_write(where);
+}
+
+constexpr int64_t kUserBlock = 512;  // bytes at the head of a file that HDF5 leaves alone
+
+struct FileCloser {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using OpenFile = std::unique_ptr<std::FILE, FileCloser>;
+
+// What the user block of a file of so many bytes says; zeros follow.
+std::string checksum_line(int64_t bytes, const std::string& sha256) {
+  return "Pleat: HDF5 after 512 bytes, size " + std::to_string(bytes) + ", sha256 " + sha256 + "\n";
+}
+
+// Signs a file that is closed. False where it cannot be written.
+bool write_checksum(const std::string& path) {
+  const OpenFile file(std::fopen(path.c_str(), "r+b"));
+  if (!file) return false;
+  const std::string line =
+      checksum_line(static_cast<int64_t>(std::filesystem::file_size(path)) - kUserBlock,
+                    sha256_of_file(path, kUserBlock));
+  return std::fwrite(line.data(), 1, line.size(), file.get()) == line.size() &&
+         std::fflush(file.get()) == 0;
 }
 
 void check_read(herr_t status, bool is_misfit, const std::string& where) {
@@ -309,6 +341,7 @@ Hdf5File Hdf5File::create(const std::string& path) {
   const std::string temporary_path = make_temporary_file(path);
   const Id creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   H5Pset_obj_track_times(creation, false);
+  H5Pset_userblock(creation, kUserBlock);
   const hid_t handle = H5Fcreate(temporary_path.c_str(), H5F_ACC_TRUNC, creation, H5P_DEFAULT);
   if (handle < 0) {
     ::unlink(temporary_path.c_str());
@@ -317,12 +350,30 @@ Hdf5File Hdf5File::create(const std::string& path) {
   return Hdf5File(path, temporary_path, handle);
 }
 
+std::string Hdf5File::damage_of(const std::string& path) {
+  std::error_code error;
+  const int64_t size = static_cast<int64_t>(std::filesystem::file_size(path, error));
+  if (error) return "missing";
+  const OpenFile file(std::fopen(path.c_str(), "rb"));
+  std::string head(kUserBlock, '\0');
+  if (!file || std::fread(head.data(), 1, head.size(), file.get()) != head.size())
+    return "truncated";
+  head.erase(head.find_last_not_of('\0') + 1);
+  long long told = -1;
+  if (std::sscanf(head.c_str(), "Pleat: HDF5 after 512 bytes, size %lld", &told) != 1)
+    return "without a checksum";
+  if (size - kUserBlock < told) return "truncated";
+  const bool is_whole =
+      size - kUserBlock == told && head == checksum_line(told, sha256_of_file(path, kUserBlock));
+  return is_whole ? "" : "altered";
+}
+
 void Hdf5File::commit() {
   keep_quiet();
   assert(handle_ >= 0 && !temporary_path_.empty());
   const herr_t flushed = H5Fflush(handle_, H5F_SCOPE_GLOBAL);
   const herr_t closed = H5Fclose(std::exchange(handle_, -1));
-  if (flushed < 0 || closed < 0) fail(path_, "cannot be written; is the disk full?");
+  if (flushed < 0 || closed < 0 || !write_checksum(temporary_path_)) fail_to_write(path_);
   publish_file(std::exchange(temporary_path_, {}), path_);
 }
 
@@ -412,6 +463,14 @@ void Hdf5File::write_rows_raw(const std::string& name, int64_t first, int64_t ro
   const herr_t status =
       H5Dwrite(array.id, memory_type(memory), memory_space, file_space, transfer, data);
   check_written(status, is_misfit, array.where);
+}
+
+void Hdf5File::link(const std::string& name, const std::string& file, const std::string& object) {
+  keep_quiet();
+  const Id links = link_creation();
+  if (H5Lcreate_external(file.c_str(), object.c_str(), handle_, name.c_str(), links, H5P_DEFAULT) <
+      0)
+    fail(path_, "link '" + name + "' cannot be made; does it exist already?");
 }
 
 bool Hdf5File::has(const std::string& name) const {

@@ -1,6 +1,7 @@
 // HDF5 files, the only place that speaks to libhdf5. A new file is written under a temporary name
 // in the same folder and renamed by commit(), so that a reader never sees half a file
-// (docs/architecture.md, Files).
+// (docs/architecture.md, Files). Its first 512 bytes, which HDF5 leaves to the user, hold the size
+// and the SHA-256 of the rest, so that every file can be checked by itself.
 #pragma once
 
 #include <cstdint>
@@ -55,6 +56,10 @@ class Hdf5File {
   Hdf5File& operator=(Hdf5File&&) = delete;
   ~Hdf5File();  // without commit(), the temporary file is removed
 
+  // What is wrong with a file that commit() wrote: "missing", "truncated", "altered" or "without
+  // a checksum"; empty where it is whole. Reads all of it.
+  static std::string damage_of(const std::string& path);
+
   const std::string& path() const { return path_; }
   // Closes, fsyncs, renames, fsyncs the folder.
   void commit();
@@ -84,6 +89,9 @@ class Hdf5File {
   void write_rows(const std::string& name, int64_t first_row, int64_t row_count, const T* data) {
     write_rows_raw(name, first_row, row_count, data, hdf5_type<T>());
   }
+
+  // Makes `name` show what `object` of another file is. `file` is relative to this file's folder.
+  void link(const std::string& name, const std::string& file, const std::string& object);
 
   bool has(const std::string& name) const;
   std::vector<std::string> list(const std::string& group) const;  // sorted

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/atomic_file.h"  // write_file_atomically
+#include "core/sha256.h"
 
 namespace pleat {
 
@@ -25,7 +26,5 @@ std::string provenance_json(const Provenance& provenance);
 std::string version();       // "0.1.0"
 std::string commit();        // git commit this was built from, "unknown" without git
 std::string machine();       // processor model, cores, compiler
-std::string sha256(const std::string& bytes);            // hex
-std::string sha256_of_file(const std::string& path);     // hex; InputError where it cannot be read
 
 }  // namespace pleat

@@ -201,6 +201,49 @@ TEST(Hdf5File, SurvivesDamagedBytes) {
   EXPECT_GT(refused, 10);
 }
 
+TEST(Hdf5File, KnowsItsOwnDamage) {
+  const Scratch scratch;
+  const std::string path = scratch.path("a.h5");
+  EXPECT_EQ(Hdf5File::damage_of(path), "missing");
+  {
+    Hdf5File file = Hdf5File::create(path);
+    file.write("group/x", std::vector<double>(20, 1.0), {4, 5});
+    file.commit();
+  }
+  EXPECT_EQ(Hdf5File::damage_of(path), "");
+  const std::string bytes = read_bytes(path);
+  for (size_t at = 0; at < bytes.size(); at += 5) {
+    std::string damaged = bytes;
+    damaged[at] = static_cast<char>(damaged[at] ^ 1);
+    write_bytes(path, damaged);
+    EXPECT_NE(Hdf5File::damage_of(path), "") << at;
+  }
+  for (size_t size = 0; size < bytes.size(); size += 97) {
+    write_bytes(path, bytes.substr(0, size));
+    EXPECT_EQ(Hdf5File::damage_of(path), "truncated") << size;
+  }
+  write_bytes(path, bytes + "x");
+  EXPECT_EQ(Hdf5File::damage_of(path), "altered");
+  H5Fclose(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
+  EXPECT_EQ(Hdf5File::damage_of(path), "without a checksum");
+}
+
+TEST(Hdf5File, LinksShowWhatOtherFilesHold) {
+  const Scratch scratch;
+  {
+    Hdf5File file = Hdf5File::create(scratch.path("a.h5"));
+    file.write("x", std::vector<double>{1, 2}, {2});
+    file.commit();
+    Hdf5File face = Hdf5File::create(scratch.path("face.h5"));
+    face.link("chains/a", "a.h5", "/");
+    face.commit();
+  }
+  EXPECT_EQ(Hdf5File::open(scratch.path("face.h5")).read<double>("chains/a/x"),
+            (std::vector<double>{1, 2}));
+  std::filesystem::remove(scratch.path("a.h5"));
+  EXPECT_INPUT_ERROR(Hdf5File::open(scratch.path("face.h5")).dims("chains/a/x"), "chains/a/x");
+}
+
 TEST(Hdf5File, NamesArraysOfTheWrongKind) {
   const Scratch scratch;
   Hdf5File file = Hdf5File::create(scratch.path("a.h5"));
