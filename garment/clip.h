@@ -13,6 +13,10 @@
 
 namespace pleat::garment {
 
+// The reason of frames that took longer than they were allowed to: the only one that depends on the
+// machine and not on the study alone.
+constexpr const char* kOutOfTime = "out of time";
+
 // What may be trusted about one drape.
 struct Certificate {
   double residual = 0;     // |force imbalance| / |weight|, norms over all vertices
@@ -25,9 +29,19 @@ struct Certificate {
   int overlap_intersections = 0;  // cloth and body as posed, in those places only
   int self_intersections = 0;     // cloth and cloth
   int iterations = 0;             // of the solver, all substeps of the frame
+  int attempts = 1;               // 1: the first way served, or none did (see sim/chain.h)
   double seconds = 0;             // processor time
   bool is_accepted = false;
   std::string reason;  // why not, in one or two words; empty where accepted
+};
+
+// All that the drape of one frame starts from, to the last bit.
+struct ClipState {
+  int frame = 0;                 // counted from the start of the motion
+  bool is_sound = true;          // the frame before was accepted, or there is none
+  Points3 positions;             // #V x 3, m, world, at the end of the frame before
+  Eigen::VectorXi anchor_faces;  // #V, body faces that vertices stick to; -1: none
+  Points3 anchor_barycentrics;   // #V x 3, where on them
 };
 
 struct Clip {
@@ -36,15 +50,29 @@ struct Clip {
   std::string motion_name;
   double frame_rate_hz = 30;
   Eigen::VectorXd shape;                  // beta
+  int first_frame = 0;                    // of the motion; 0 but in parts of clips
   std::vector<body::Pose> poses;          // T
   std::vector<Points3> positions;         // T of #V x 3, m, world
   std::vector<Certificate> certificates;  // T
+  std::vector<ClipState> states;          // of frames from which the clip can be taken up again
+  std::vector<std::string> frame_sha256;  // T; see below; filled by reading
 };
 
 // positions are stored as float32 (0.06 micrometres at 1 m). See docs/files.md.
 void write_clip(const std::string& path, const Clip& clip, const std::string& key,
                 const Provenance& provenance);
-Clip read_clip(const std::string& path);  // InputError naming file and array
+Clip read_clip(const std::string& path);       // InputError naming file and array
+Clip read_clip_head(const std::string& path);  // the same without positions
 std::string clip_key(const std::string& path);
+
+// SHA-256 of pose, positions as stored, and certificate without its seconds: of all that a frame
+// has to say, and nothing of when and where it was made.
+std::string frame_hash(const Clip& clip, int t);
+// Of the whole clip, from its key and frames.
+std::string content_hash(const std::string& key, const std::vector<std::string>& frame_sha256);
+
+// Parts of a clip that follow one another, as one file with the key and provenance of the first.
+// Holds one frame of positions at a time.
+void join_clips(const std::vector<std::string>& parts, const std::string& path);
 
 }  // namespace pleat::garment

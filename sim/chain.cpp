@@ -5,7 +5,9 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "body/skinning.h"
 #include "core/error.h"
@@ -61,11 +63,12 @@ class Chain {
  public:
   Chain(const garment::GarmentTopology& topology, const Points2& panels,
         const body::BodyModel& model, const garment::Fabric& fabric, const SimulationConfig& config,
-        const Wearer& start, const Points3& positions)
+        const std::function<bool()>& should_stop, const Wearer& start, const Points3& positions)
       : topology_(topology),
         panels_(panels),
         model_(model),
         config_(config),
+        should_stop_(should_stop),
         cloth_(make_cloth(topology.faces, topology.panel_faces, panels, topology.vertex_count,
                           fabric)),
         wearer_(start),
@@ -99,7 +102,7 @@ class Chain {
   }
 
   NewtonResult settle(const NewtonConfig& solver) {
-    return drape(cloth_, contacts_, solver, factor_, state_);
+    return drape(cloth_, contacts_, solver, factor_, state_, should_stop_);
   }
 
   NewtonConfig easing() const {
@@ -117,6 +120,21 @@ class Chain {
 
   const Wearer& wearer() const { return wearer_; }
   Points3 positions() const { return as_points(state_.x); }
+
+  garment::ClipState state(int frame, bool is_sound) const {
+    const int count = cloth_.vertex_count;
+    garment::ClipState state{frame, is_sound, positions(), Eigen::VectorXi(count),
+                             Points3(count, 3)};
+    for (int v = 0; v < count; ++v) {
+      state.anchor_faces[v] = state_.anchors[v].face;
+      state.anchor_barycentrics.row(v) = state_.anchors[v].barycentric.transpose();
+    }
+    return state;
+  }
+  void set_anchors(const garment::ClipState& state) {
+    for (int v = 0; v < cloth_.vertex_count; ++v)
+      state_.anchors[v] = {state.anchor_faces[v], state.anchor_barycentrics.row(v).transpose()};
+  }
 
  private:
   static constexpr int kMostSteps = 16;
@@ -211,7 +229,8 @@ class Chain {
   const garment::GarmentTopology& topology_;
   const Points2& panels_;
   const body::BodyModel& model_;
-  const SimulationConfig& config_;
+  SimulationConfig config_;
+  std::function<bool()> should_stop_;
   Cloth cloth_;
   Wearer wearer_;
   BodyOpener opener_;
@@ -239,6 +258,9 @@ void validate(const SimulationConfig& config) {
   if (!(config.ease_deg > 0)) throw InputError("simulation.ease_deg must be > 0");
   if (!(config.ease_residual > 0)) throw InputError("simulation.ease_residual must be > 0");
   if (config.ease_iterations < 1) throw InputError("simulation.ease_iterations must be >= 1");
+  if (config.retries < 0 || config.retries > 2)
+    throw InputError("simulation.retries must be 0, 1 or 2");
+  if (config.checkpoint_frames < 1) throw InputError("simulation.checkpoint_frames must be >= 1");
   try {
     validate(config.solver);
     validate(config.contact);
@@ -248,31 +270,164 @@ void validate(const SimulationConfig& config) {
   }
 }
 
+namespace {
+
+// Smaller steps, settled better on the way.
+SimulationConfig patient(SimulationConfig config) {
+  config.ease_deg /= 4;
+  config.ease_residual /= 4;
+  config.ease_iterations *= 4;
+  return config;
+}
+
+// A garment on its way through a motion, frame by frame.
+class Walk {
+ public:
+  Walk(const garment::Garment& garment, const body::BodyModel& model, const Eigen::VectorXd& shape,
+       const body::Motion& motion, const garment::Fabric& fabric, const SimulationConfig& config,
+       const Supervision& supervision)
+      : garment_(garment),
+        model_(model),
+        shape_(shape),
+        motion_(motion),
+        fabric_(fabric),
+        config_(config),
+        supervision_(supervision) {}
+
+  bool is_cancelled() const { return supervision_.should_stop && supervision_.should_stop(); }
+
+  // As the frame before left it; where there is none, in the T-pose on the mean body.
+  void start(const garment::ClipState* from) {
+    chain_ = from ? taken_up(*from, config_) : dressed(config_);
+    is_sound_ = !from || from->is_sound;
+  }
+
+  garment::Certificate drape_frame(int t) {
+    start_ = processor_seconds();
+    const garment::ClipState before = chain_->state(t, is_sound_);
+    garment::Certificate certificate = try_frame(*chain_, t);
+    const int retries = is_sound_ ? config_.retries : 0;
+    for (int k = 1; k <= retries && !certificate.is_accepted && !is_stopped(); ++k) {
+      const bool is_anew = k == 2 || t == 0;
+      if (k == 2 && t == 0) break;  // that was the first retry
+      std::unique_ptr<Chain> other =
+          is_anew ? dressed(patient(config_)) : taken_up(before, patient(config_));
+      garment::Certificate retried = try_frame(*other, t, is_anew);
+      if (!retried.is_accepted) continue;
+      certificate = retried;
+      certificate.attempts = k + 1;
+      chain_ = taken_up(other->state(t + 1, true), config_);
+    }
+    is_sound_ = certificate.is_accepted;
+    certificate.seconds = processor_seconds() - start_;
+    return certificate;
+  }
+
+  const Chain& chain() const { return *chain_; }
+  bool is_sound() const { return is_sound_; }
+
+ private:
+  bool is_out_of_time() const {
+    return supervision_.max_seconds_per_drape > 0 &&
+           processor_seconds() - start_ > supervision_.max_seconds_per_drape;
+  }
+  bool is_stopped() const { return is_cancelled() || is_out_of_time(); }
+
+  std::unique_ptr<Chain> dressed(const SimulationConfig& config) const {
+    return std::make_unique<Chain>(
+        garment_.topology, garment_.panels, model_, fabric_, config,
+        [this] { return is_stopped(); }, Wearer{Eigen::VectorXd::Zero(shape_.size()), body::Pose{}},
+        garment_.t_pose);
+  }
+  std::unique_ptr<Chain> taken_up(const garment::ClipState& state,
+                                  const SimulationConfig& config) const {
+    if (state.frame == 0) return dressed(config);
+    auto chain = std::make_unique<Chain>(
+        garment_.topology, garment_.panels, model_, fabric_, config,
+        [this] { return is_stopped(); },
+        Wearer{shape_, motion_.frames[static_cast<size_t>(state.frame - 1)]}, state.positions);
+    chain->set_anchors(state);
+    return chain;
+  }
+
+  garment::Certificate try_frame(Chain& chain, int t, bool is_anew = false) const {
+    const Wearer next{shape_, motion_.frames[static_cast<size_t>(t)]};
+    if (t == 0 || is_anew) ease_in(chain, next);
+    const NewtonResult solved = chain.advance(next, config_.solver);
+    garment::Certificate certificate = chain.certify(solved);
+    certificate.iterations = solved.iterations;
+    if (solved.was_stopped) {
+      certificate.is_accepted = false;
+      certificate.reason = garment::kOutOfTime;
+    }
+    return certificate;
+  }
+
+  const garment::Garment& garment_;
+  const body::BodyModel& model_;
+  const Eigen::VectorXd& shape_;
+  const body::Motion& motion_;
+  const garment::Fabric& fabric_;
+  const SimulationConfig& config_;
+  const Supervision& supervision_;
+  std::unique_ptr<Chain> chain_;
+  bool is_sound_ = true;
+  double start_ = 0;  // of the frame, processor seconds
+};
+
+}  // namespace
+
+bool simulate_parts(const garment::Garment& garment, const body::BodyModel& model,
+                    const Eigen::VectorXd& shape, const body::Motion& motion,
+                    const garment::Fabric& fabric, const SimulationConfig& config,
+                    const garment::ClipState* from, const Supervision& supervision) {
+  const int frames = static_cast<int>(motion.frames.size());
+  garment::Clip part;
+  part.design = garment.design;
+  part.fabric = fabric;
+  part.motion_name = motion.name;
+  part.frame_rate_hz = motion.frame_rate_hz;
+  part.shape = shape;
+  part.first_frame = from ? from->frame : 0;
+  Walk walk(garment, model, shape, motion, fabric, config, supervision);
+  walk.start(from);
+  for (int t = part.first_frame; t < frames; ++t) {
+    const garment::Certificate certificate = walk.drape_frame(t);
+    if (walk.is_cancelled()) return false;
+    part.poses.push_back(motion.frames[static_cast<size_t>(t)]);
+    part.positions.push_back(walk.chain().positions());
+    part.certificates.push_back(certificate);
+    if (supervision.on_frame) supervision.on_frame(certificate);
+    if ((t + 1) % config.checkpoint_frames != 0 && t + 1 < frames) continue;
+    part.states = {walk.chain().state(t + 1, walk.is_sound())};
+    if (supervision.on_part) supervision.on_part(part);
+    part.first_frame = t + 1;
+    part.poses.clear();
+    part.positions.clear();
+    part.certificates.clear();
+    if (t + 1 < frames) walk.start(&part.states.front());
+  }
+  return true;
+}
+
 garment::Clip simulate(const garment::Garment& garment, const body::BodyModel& model,
                        const Eigen::VectorXd& shape, const body::Motion& motion,
                        const garment::Fabric& fabric, const SimulationConfig& config,
-                       const std::function<bool(const garment::Certificate&)>& on_frame) {
+                       const Supervision& supervision) {
   garment::Clip clip;
-  clip.design = garment.design;
-  clip.fabric = fabric;
-  clip.motion_name = motion.name;
-  clip.frame_rate_hz = motion.frame_rate_hz;
-  clip.shape = shape;
-  const Wearer mean{Eigen::VectorXd::Zero(shape.size()), body::Pose{}};
-  Chain chain(garment.topology, garment.panels, model, fabric, config, mean, garment.t_pose);
-  double start = processor_seconds();
-  ease_in(chain, {shape, motion.frames.front()});
-  for (const body::Pose& pose : motion.frames) {
-    const NewtonResult solved = chain.advance({shape, pose}, config.solver);
-    garment::Certificate certificate = chain.certify(solved);
-    certificate.iterations = solved.iterations;
-    certificate.seconds = processor_seconds() - start;
-    start = processor_seconds();
-    clip.poses.push_back(pose);
-    clip.positions.push_back(chain.positions());
-    clip.certificates.push_back(certificate);
-    if (!on_frame(certificate)) break;
-  }
+  Supervision collecting = supervision;
+  collecting.on_part = [&](const garment::Clip& part) {
+    if (supervision.on_part) supervision.on_part(part);
+    garment::Clip joined = part;
+    joined.first_frame = 0;
+    joined.poses.insert(joined.poses.begin(), clip.poses.begin(), clip.poses.end());
+    joined.positions.insert(joined.positions.begin(), clip.positions.begin(), clip.positions.end());
+    joined.certificates.insert(joined.certificates.begin(), clip.certificates.begin(),
+                               clip.certificates.end());
+    joined.states.insert(joined.states.begin(), clip.states.begin(), clip.states.end());
+    clip = std::move(joined);
+  };
+  simulate_parts(garment, model, shape, motion, fabric, config, nullptr, collecting);
   return clip;
 }
 
@@ -287,7 +442,7 @@ garment::Garment settle_garment(const garment::Design& design,
   const Eigen::VectorXd mean = Eigen::VectorXd::Zero(model.shape_directions.size());
   const body::ShapedBody shaped = body::shape_body(model, mean);
   const Points3 start = garment::place_around_body(topology, garment.panels, model, shaped);
-  Chain chain(topology, garment.panels, model, fabric, config, {mean, body::Pose{}}, start);
+  Chain chain(topology, garment.panels, model, fabric, config, {}, {mean, body::Pose{}}, start);
   constexpr int kTries = 4;  // sewing starts far from rest
   garment::Certificate certificate;
   for (int i = 0; i < kTries && !certificate.is_accepted; ++i)

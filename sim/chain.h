@@ -13,10 +13,13 @@
 
 namespace pleat::sim {
 
-struct SimulationConfig {  // section `simulation`
-  double ease_deg = 10;  // largest joint turn of one step on the way to a frame
+struct SimulationConfig {      // section `simulation`
+  double ease_deg = 10;        // largest joint turn of one step on the way to a frame
   double ease_residual = 0.1;  // steps on the way need not settle fully
   int ease_iterations = 4;
+  int retries =
+      2;  // other ways to a frame that is rejected: 1 in smaller steps, 2 also dressed anew
+  int checkpoint_frames = 20;  // after so many a chain begins anew from what its state says
   NewtonConfig solver;
   ContactConfig contact;
   AcceptConfig accept;
@@ -30,11 +33,28 @@ garment::Garment settle_garment(const garment::Design& design,
                                 const body::BodyModel& model, const garment::Fabric& fabric,
                                 const SimulationConfig& config);
 
-// on_frame is told each finished frame's certificate and answers whether to go on; a clip that was
-// stopped is shorter.
+// How a simulation is looked after from outside. Empty functions are not called.
+struct Supervision {
+  std::function<void(const garment::Certificate&)> on_frame = {};
+  std::function<void(const garment::Clip&)> on_part = {};
+  std::function<bool()> should_stop = {};  // asked between iterations; what is under way is dropped
+  double max_seconds_per_drape = 0;        // of processor time; 0: any. Frames that take longer are
+                                           // rejected, as out of time
+};
+
+// Frames from->frame (0 where there is none) to the last, in parts of checkpoint_frames, each with
+// the state that the next starts from. Taking up from that state gives the same bits as going on.
+// A frame that is rejected behind one that was not is tried in other ways (config.retries); where
+// none serves, the first counts. False where it was stopped.
+bool simulate_parts(const garment::Garment& garment, const body::BodyModel& model,
+                    const Eigen::VectorXd& shape, const body::Motion& motion,
+                    const garment::Fabric& fabric, const SimulationConfig& config,
+                    const garment::ClipState* from, const Supervision& supervision);
+
+// The whole clip, in memory; shorter by the unfinished part where it was stopped.
 garment::Clip simulate(const garment::Garment& garment, const body::BodyModel& model,
                        const Eigen::VectorXd& shape, const body::Motion& motion,
                        const garment::Fabric& fabric, const SimulationConfig& config,
-                       const std::function<bool(const garment::Certificate&)>& on_frame);
+                       const Supervision& supervision = {});
 
 }  // namespace pleat::sim

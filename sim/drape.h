@@ -16,6 +16,7 @@ struct DrapeState {
 
 // Settles `state` on the body. Not converging is a result, not an error.
 NewtonResult drape(const Cloth& cloth, ContactSearch& contacts, const NewtonConfig& solver,
-                   Cholesky& factor, DrapeState& state);
+                   Cholesky& factor, DrapeState& state,
+                   const std::function<bool()>& should_stop = {});
 
 }  // namespace pleat::sim

@@ -5,6 +5,8 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <mutex>
+#include <new>
 #include <numeric>
 #include <stdexcept>
 #include <vector>
@@ -129,6 +131,10 @@ struct Cholesky::Impl {
     }
     start[vertices] = count;
     std::vector<int> permutation(vertices);
+    // METIS draws from the C library's rand(), which it seeds at each call and which all threads
+    // share: two orders found at once would be others each time, and with them the bits.
+    static std::mutex one_at_a_time;
+    const std::lock_guard<std::mutex> lock(one_at_a_time);
     if (!cholmod_metis(graph, nullptr, 0, 1, permutation.data(), &common))
       std::iota(permutation.begin(), permutation.end(), 0);
     cholmod_free_sparse(&graph, &common);
@@ -166,9 +172,9 @@ bool Cholesky::factor(const BlockMatrix& matrix, const Eigen::VectorXd& shift) {
     impl_->analyse();
     impl_->fill_values(matrix, shift);
   }
-  if (!cholmod_factorize(impl_->matrix, impl_->factor, &impl_->common) ||
-      impl_->common.status != CHOLMOD_OK)
-    return false;
+  const bool is_done = cholmod_factorize(impl_->matrix, impl_->factor, &impl_->common);
+  if (impl_->common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (!is_done || impl_->common.status != CHOLMOD_OK) return false;
   const double* exact = static_cast<const double*>(impl_->factor->x);
   impl_->rough.resize(impl_->factor->xsize);
   for (size_t i = 0; i < impl_->rough.size(); ++i) impl_->rough[i] = static_cast<float>(exact[i]);

@@ -33,13 +33,15 @@ constexpr double kLocalGoal = 0.3;   // of the residual of the rest
 class Minimiser {
  public:
   Minimiser(const Cloth& cloth, ContactSearch& contacts, const NewtonConfig& config,
-            Cholesky& factor, Eigen::VectorXd& x, std::vector<Anchor>& anchors)
+            Cholesky& factor, Eigen::VectorXd& x, std::vector<Anchor>& anchors,
+            const std::function<bool()>& should_stop)
       : cloth_(cloth),
         contacts_(contacts),
         config_(config),
         factor_(factor),
         x_(x),
         anchors_(anchors),
+        should_stop_(should_stop),
         shift_(cloth.vertex_count),
         step_(Eigen::VectorXd::Zero(x.size())) {
     for (const Weight& weight : cloth.weights) shift_[weight.vertex] = kCaution * weight.mass;
@@ -79,6 +81,7 @@ class Minimiser {
   Cholesky& factor_;
   Eigen::VectorXd& x_;
   std::vector<Anchor>& anchors_;
+  const std::function<bool()>& should_stop_;
   Eigen::VectorXd shift_;  // #V, J/m^2
   Eigen::VectorXd step_;   // 3#V, m; zero outside the patch at work
   Touching touching_;
@@ -264,7 +267,8 @@ NewtonResult Minimiser::run() {
       result_.has_converged = result_.is_stable || !config_.must_be_stable;
       if (result_.has_converged) break;
     }
-    if (result_.iterations >= config_.max_iterations) {
+    result_.was_stopped = should_stop_ && should_stop_();
+    if (result_.was_stopped || result_.iterations >= config_.max_iterations) {
       result_.is_stable = false;  // nobody looked
       break;
     }
@@ -297,8 +301,9 @@ void validate(const NewtonConfig& config) {
 }
 
 NewtonResult minimise(const Cloth& cloth, ContactSearch& contacts, const NewtonConfig& config,
-                      Cholesky& factor, Eigen::VectorXd& x, std::vector<Anchor>& anchors) {
-  return Minimiser(cloth, contacts, config, factor, x, anchors).run();
+                      Cholesky& factor, Eigen::VectorXd& x, std::vector<Anchor>& anchors,
+                      const std::function<bool()>& should_stop) {
+  return Minimiser(cloth, contacts, config, factor, x, anchors, should_stop).run();
 }
 
 }  // namespace pleat::sim

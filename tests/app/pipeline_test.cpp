@@ -80,7 +80,7 @@ TEST(Pipeline, EncodesWhatWasSimulatedOnce) {
   EXPECT_EQ(read_bytes(simulated.out("config.yaml")), to_yaml(study));
   EXPECT_EQ(to_yaml(read_study(simulated.out("config.yaml"))), to_yaml(study));
   for (const std::string name :
-       {"manifest.json", "stages/dress.json", "stages/simulate.json", "stages/encode.json"})
+       {"manifest.jsonl", "stages/dress.json", "stages/simulate.json", "stages/encode.json"})
     EXPECT_TRUE(std::filesystem::exists(simulated.out(name))) << name;
 
   const auto written = std::filesystem::last_write_time(simulated.out("dataset.h5"));

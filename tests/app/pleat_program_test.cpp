@@ -79,7 +79,8 @@ TEST(PleatProgram, HelpsWithEveryCommand) {
   const std::string all = pleat("--help").text;
   for (const std::string command :
        {"", "run", "dress", "simulate", "encode", "train", "sample", "evaluate", "body",
-        "body anny", "body info", "motion", "motion info", "motion convert"}) {
+        "body anny", "body info", "motion", "motion info", "motion convert", "plan", "status",
+        "check", "verify", "rerun", "index"}) {
     const Outcome outcome = pleat(command + " --help");
     EXPECT_EQ(outcome.code, 0) << command;
     EXPECT_THAT(outcome.text, HasSubstr("--help")) << command;

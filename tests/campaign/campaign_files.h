@@ -3,10 +3,13 @@
 #pragma once
 
 #include <algorithm>
+#include <filesystem>
 
 #include "body/amass_file.h"
 #include "body/body_file.h"
+#include "campaign/folder.h"
 #include "campaign/manifest.h"
+#include "garment/clip.h"
 #include "tests/body/synthetic_body.h"
 #include "tests/core/scratch.h"
 
@@ -36,5 +39,26 @@ struct CampaignFiles {
     }
   }
 };
+
+// As a finished chain leaves it: three frames, the second rejected.
+inline void write_shard(const CampaignFiles& files, const Chain& chain,
+                        const std::string& folder = "") {
+  garment::Clip clip;
+  clip.design = files.campaign.designs[chain.design];
+  clip.motion_name = files.campaign.motions[chain.motion].name;
+  clip.shape = files.campaign.shapes[chain.shape];
+  for (int t = 0; t < 3; ++t) {
+    clip.poses.emplace_back();
+    clip.positions.push_back(Points3::Constant(5, 3, t));
+    garment::Certificate certificate;
+    certificate.is_accepted = t != 1;
+    certificate.reason = t == 1 ? "not settled" : "";
+    certificate.seconds = 0.25;
+    clip.certificates.push_back(certificate);
+  }
+  const std::string path = shard_path(files.scratch.path(folder), chain.key);
+  std::filesystem::create_directories(std::filesystem::path(path).parent_path());
+  garment::write_clip(path, clip, chain.key, {});
+}
 
 }  // namespace pleat::campaign

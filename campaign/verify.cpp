@@ -1,0 +1,150 @@
+#include "campaign/verify.h"
+
+#include <algorithm>
+#include <mutex>
+#include <set>
+
+#include "body/body_file.h"
+#include "core/error.h"
+#include "core/hdf5_file.h"
+#include "core/progress.h"
+#include "core/random.h"
+#include "garment/clip.h"
+#include "garment/garment_file.h"
+
+namespace pleat::campaign {
+namespace {
+
+// What a chain is made of, read anew.
+struct Ingredients {
+  garment::Garment garment;
+  body::Motion motion;
+  garment::Fabric fabric;
+  garment::Clip shard;
+};
+
+Ingredients ingredients_of(const Campaign& campaign, const Manifest& manifest,
+                           const std::string& folder, const body::BodyModel& model,
+                           const Chain& chain) {
+  const MotionSource& source = campaign.motions[chain.motion];
+  Ingredients result{
+      garment::read_garment(garment_path(folder, manifest.garment_keys[chain.design])),
+      body::load_motion(source.file, model, source.config), fabric_of(campaign, chain),
+      garment::read_clip(shard_path(folder, chain.key))};
+  result.motion.name = source.name;
+  return result;
+}
+
+// Frames first_frame .. first_frame + frames - 1, made again; fewer where it was stopped.
+garment::Clip make_again(const Campaign& campaign, const body::BodyModel& model,
+                         const Ingredients& made_of, const Chain& chain, int first_frame,
+                         int frames, sim::Supervision supervision) {
+  const garment::ClipState* from = nullptr;
+  for (const garment::ClipState& state : made_of.shard.states)
+    if (state.frame == first_frame) from = &state;
+  body::Motion motion = made_of.motion;
+  motion.frames.resize(std::min(motion.frames.size(), static_cast<size_t>(first_frame + frames)));
+  garment::Clip again;
+  supervision.on_part = [&](const garment::Clip& part) { again = part; };
+  sim::simulate_parts(made_of.garment, model, campaign.shapes[chain.shape], motion, made_of.fabric,
+                      campaign.simulation, from, supervision);
+  return again;
+}
+
+}  // namespace
+
+std::vector<Piece> pieces_of(const Manifest& manifest, const std::string& folder, int sample,
+                             uint64_t seed) {
+  std::vector<Piece> pieces;
+  for (size_t c = 0; c < manifest.chains.size(); ++c) {
+    const std::string path = shard_path(folder, manifest.chains[c].key);
+    if (Hdf5File::damage_of(path) == "missing") continue;
+    const Hdf5File file = Hdf5File::open(path);
+    const int frames = static_cast<int>(file.dims("positions").at(0));
+    std::vector<int> starts = file.read<int>("states/frame");
+    starts.insert(starts.begin(), 0);
+    starts.push_back(frames);
+    for (size_t k = 0; k + 1 < starts.size(); ++k)
+      pieces.push_back({static_cast<int>(c), starts[k], starts[k + 1] - starts[k]});
+  }
+  if (sample <= 0 || static_cast<size_t>(sample) >= pieces.size()) return pieces;
+  RandomStream random(seed, "verify");
+  std::vector<Piece> drawn;
+  for (int k = 0; k < sample; ++k) {
+    const size_t i = k + random.below(pieces.size() - k);
+    std::swap(pieces[k], pieces[i]);
+    drawn.push_back(pieces[k]);
+  }
+  return drawn;
+}
+
+VerifyReport verify(const Campaign& campaign, const Manifest& manifest, const RunOptions& options,
+                    const std::vector<Piece>& pieces) {
+  VerifyReport report;
+  const body::BodyModel model = body::read_body(campaign.body_file);
+  int64_t frames = 0;
+  for (const Piece& piece : pieces) frames += piece.frames;
+  Crew crew(options.threads, options.limits, campaign.garment_vertices);
+  Progress progress("verify", frames, "frames");
+  std::mutex mutex;
+  std::set<std::string> machines;
+  crew.run(static_cast<int>(pieces.size()), [&](int i) {
+    const Piece& piece = pieces[i];
+    const Chain& chain = manifest.chains[piece.chain];
+    const Ingredients made_of = ingredients_of(campaign, manifest, options.folder, model, chain);
+    const std::string where =
+        Hdf5File::open(shard_path(options.folder, chain.key)).text_attribute("/", "machine");
+    sim::Supervision supervision;
+    supervision.should_stop = [&] { return crew.should_stop(); };
+    supervision.on_frame = [&](const garment::Certificate&) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      progress.advance(1);
+    };
+    const garment::Clip again =
+        make_again(campaign, model, made_of, chain, piece.first_frame, piece.frames, supervision);
+    if (again.poses.empty()) return;  // stopped
+    const std::lock_guard<std::mutex> lock(mutex);
+    ++report.pieces;
+    report.frames += piece.frames;
+    if (where != machine()) machines.insert(where);
+    bool is_timed = false;
+    for (int t = 0; t < piece.frames; ++t) {
+      const size_t frame = static_cast<size_t>(piece.first_frame + t);
+      is_timed |= made_of.shard.certificates.at(frame).reason == garment::kOutOfTime;
+      if (garment::frame_hash(again, t) == made_of.shard.frame_sha256.at(frame)) continue;
+      report.differences.push_back({piece, static_cast<int>(frame), is_timed});
+      break;
+    }
+  });
+  report.machines.assign(machines.begin(), machines.end());
+  report.is_interrupted = is_interrupted();
+  return report;
+}
+
+FrameAgain run_frame_again(const Campaign& campaign, const Manifest& manifest,
+                           const RunOptions& options, int chain, int frame) {
+  const std::vector<Piece> pieces = pieces_of(manifest, options.folder, 0, 0);
+  for (const Piece& piece : pieces) {
+    if (piece.chain != chain || frame < piece.first_frame ||
+        frame >= piece.first_frame + piece.frames)
+      continue;
+    const body::BodyModel model = body::read_body(campaign.body_file);
+    const Chain& row = manifest.chains[chain];
+    const Ingredients made_of = ingredients_of(campaign, manifest, options.folder, model, row);
+    const int frames = frame - piece.first_frame + 1;
+    Progress progress("rerun", frames, "frames");
+    sim::Supervision supervision;
+    supervision.max_seconds_per_drape = options.limits.max_seconds_per_drape;
+    supervision.should_stop = is_interrupted;
+    supervision.on_frame = [&](const garment::Certificate& c) { progress.advance(1, c.reason); };
+    const garment::Clip again =
+        make_again(campaign, model, made_of, row, piece.first_frame, frames, supervision);
+    if (again.poses.empty()) return {};
+    return {made_of.shard.certificates[frame], again.certificates.back(),
+            garment::frame_hash(again, frames - 1) == made_of.shard.frame_sha256[frame]};
+  }
+  throw InputError("chain " + manifest.chains[chain].key + " has no frame " +
+                   std::to_string(frame) + ", or is not simulated yet");
+}
+
+}  // namespace pleat::campaign
