@@ -67,7 +67,7 @@ int plan(const std::string& config, const std::string& bench, bool is_dry) {
               campaign.motions.size(), static_cast<long long>(e.chains_left));
   std::printf("  %-16s%lld\n", "frames", static_cast<long long>(e.frames));
   std::printf("  %-16s%.3g to do, by %s\n", "core-hours", e.core_hours, e.source.c_str());
-  std::printf("  %-16s%.3g GB\n", "disk", e.gigabytes);
+  std::printf("  %-16sabout %s\n", "disk", campaign::size_text(e.bytes).c_str());
   std::printf("  %-16s%s, so that keys and bits hold for %s\n", "arithmetic", study.profile.c_str(),
               study.profile == "portable" ? "every x86-64 processor" : "processors like this one");
   if (is_dry)

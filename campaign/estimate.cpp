@@ -86,8 +86,8 @@ Estimate estimate(const Campaign& campaign, const Manifest& manifest,
     const int length = frames.at(chain.motion);
     ++result.chains;
     result.frames += length;
-    result.gigabytes += 1e-9 * shard_bytes(length, campaign.garment_vertices,
-                                           campaign.simulation.checkpoint_frames);
+    result.bytes +=
+        shard_bytes(length, campaign.garment_vertices, campaign.simulation.checkpoint_frames);
     if (is_done.count(chain.key)) continue;
     ++result.chains_left;
     seconds += scale * (pace.s_a_start + length * pace.s_a_frame);

@@ -11,7 +11,7 @@ namespace pleat::campaign {
 struct Estimate {
   int64_t chains = 0, frames = 0;
   double core_hours = 0;  // for what is not there yet
-  double gigabytes = 0;   // of all shards
+  double bytes = 0;       // of all shards
   int64_t chains_left = 0;
   std::string source;  // where the seconds a frame are from
 };

