@@ -29,6 +29,7 @@ class Report {
   std::vector<Row> rows_;
 };
 
+void bench_campaign(Report& report);
 void bench_core(Report& report);
 void bench_sim(Report& report);
 void bench_codec(Report& report);

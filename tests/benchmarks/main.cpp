@@ -51,6 +51,7 @@ void Report::add(const Row& row) {
 int main(int argc, char** argv) try {
   using pleat::bench::Report;
   const std::map<std::string, void (*)(Report&)> areas = {
+      {"campaign", pleat::bench::bench_campaign},
       {"codec", pleat::bench::bench_codec},
       {"core", pleat::bench::bench_core},
 #ifdef PLEAT_BENCH_LEARN
