@@ -23,8 +23,7 @@ void validate(const Limits& limits) {
 Crew::Crew(int threads, const Limits& limits, int garment_vertices)
     : threads_(threads > 0 ? threads : omp_get_num_procs()) {
   if (limits.max_memory_mb == 0) return;
-  // Measured: docs/campaigns.md.
-  const double shared = 130, of_a_chain = 20 + 0.045 * garment_vertices;  // MB
+  const double shared = 250, of_a_chain = 0.025 * garment_vertices;  // MB: docs/campaigns.md
   threads_ =
       std::clamp(static_cast<int>((limits.max_memory_mb - shared) / of_a_chain), 1, threads_);
   rlimit bound{};
