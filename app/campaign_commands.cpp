@@ -156,8 +156,8 @@ int rerun(const RerunRequest& request, char** argv) {
   const auto path = [&](const campaign::Chain& chain) {
     return campaign::shard_path(request.folder, chain.key);
   };
-  const auto failure = [&](const campaign::Chain& chain) {
-    return campaign::failure_path(request.folder, chain.key);
+  const auto garment_key = [&](const campaign::Chain& chain) {
+    return planned.manifest.garment_keys[chain.design];
   };
   if (!key.empty()) {
     const auto chain = std::find_if(chains.begin(), chains.end(),
@@ -182,7 +182,8 @@ int rerun(const RerunRequest& request, char** argv) {
   }
   const auto is_wanted = [&](const campaign::Chain& chain) {
     if (chain.key == key) return true;
-    if (request.is_failed && std::filesystem::exists(failure(chain))) return true;
+    if (request.is_failed && campaign::has_failed(request.folder, chain.key, garment_key(chain)))
+      return true;
     if (request.reason.empty() || !std::filesystem::exists(path(chain))) return false;
     const garment::Clip clip = garment::read_clip_head(path(chain));
     return std::any_of(clip.certificates.begin(), clip.certificates.end(),
@@ -197,7 +198,8 @@ int rerun(const RerunRequest& request, char** argv) {
   }
   for (const campaign::Chain& chain : chains) {
     if (std::filesystem::exists(path(chain))) campaign::set_aside(request.folder, path(chain));
-    std::filesystem::remove(failure(chain));
+    for (const std::string& failed : {chain.key, garment_key(chain)})
+      std::filesystem::remove(campaign::failure_path(request.folder, failed));
   }
   spdlog::info("{} chains run again; what there was lies in {}/set_aside", chains.size(),
                request.folder);

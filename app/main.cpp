@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <set>
+#include <string>
 
 #include "app/campaign_commands.h"
 #include "app/exit_codes.h"
@@ -166,16 +168,20 @@ int run(int argc, char** argv) {
   return result;
 }
 
+// OpenMP's threads spin at barriers unless told otherwise before the process starts, which slows
+// learning several-fold where anything else wants a core.
+void start_anew_for_learning(int argc, char** argv) {
+  const std::set<std::string> learning = {"run", "train", "sample", "evaluate"};
+  if (argc < 2 || !learning.count(argv[1]) || std::getenv("OMP_WAIT_POLICY")) return;
+  setenv("OMP_WAIT_POLICY", "passive", 1);
+  execv("/proc/self/exe", argv);  // returns only where it fails: then go on as we are
+}
+
 }  // namespace
 }  // namespace pleat::app
 
 int main(int argc, char** argv) {
-  // OpenMP's threads spin at barriers unless told otherwise before the process starts, which slows
-  // learning several-fold where anything else wants a core.
-  if (!std::getenv("OMP_WAIT_POLICY")) {
-    setenv("OMP_WAIT_POLICY", "passive", 1);
-    execv("/proc/self/exe", argv);  // returns only where it fails: then go on as we are
-  }
+  pleat::app::start_anew_for_learning(argc, argv);
   spdlog::set_default_logger(spdlog::stderr_color_mt("pleat"));
   spdlog::set_pattern("%H:%M:%S %^%v%$");
   pleat::catch_interrupts();

@@ -113,6 +113,11 @@ class Pipeline {
     const auto start = std::chrono::steady_clock::now();
     const auto report = campaign::settle_garments(campaign_, manifest_, options_);
     if (report.is_interrupted) return false;
+    if (report.failed > 0)
+      spdlog::warn("{} designs do not settle on the mean body; {} says why", report.failed,
+                   in_output("failures"));
+    if (report.made + report.kept == 0)
+      throw std::runtime_error("no design settles on the mean body");
     record("dress", "garments", report.made > 0,
            std::to_string(report.made + report.kept) + " designs settled on the mean body", start);
     return true;

@@ -29,6 +29,11 @@ std::string failure_path(const std::string& folder, const std::string& key) {
   return folder + "/failures/" + key + ".json";
 }
 
+bool has_failed(const std::string& folder, const std::string& key, const std::string& garment_key) {
+  return fs::exists(failure_path(folder, key)) || (fs::exists(failure_path(folder, garment_key)) &&
+                                                   !fs::exists(garment_path(folder, garment_key)));
+}
+
 std::string set_aside(const std::string& folder, const std::string& path) {
   fs::create_directories(folder + "/set_aside");
   const std::string name = fs::path(path).filename().string();

@@ -3,7 +3,7 @@
 //   garments/KEY.h5           a design, settled on the mean body
 //   shards/KEY.h5             a chain: its drapes
 //   parts/KEY/FRAME.h5        what there is of a chain that is not finished
-//   failures/KEY.json         why a chain came to nothing
+//   failures/KEY.json         why a chain, or a design, came to nothing
 //   set_aside/                damaged and superseded files; nothing reads them
 #pragma once
 
@@ -17,6 +17,8 @@ std::string shard_path(const std::string& folder, const std::string& key);
 std::string parts_path(const std::string& folder, const std::string& key);
 std::string part_path(const std::string& folder, const std::string& key, int first_frame);
 std::string failure_path(const std::string& folder, const std::string& key);
+// A chain came to nothing where it or its garment did.
+bool has_failed(const std::string& folder, const std::string& key, const std::string& garment_key);
 
 // Moves a file to set_aside/ under a name that is free there. Returns that.
 std::string set_aside(const std::string& folder, const std::string& path);

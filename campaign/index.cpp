@@ -60,7 +60,7 @@ Contents read_contents(const std::string& folder, const IndexConfig& config) {
     const std::string path = shard_path(folder, row.key);
     const std::string damage = Hdf5File::damage_of(path);
     if (damage == "missing") {
-      lacks.add(fs::exists(failure_path(folder, row.key)) ? "failed" : "missing", row.key);
+      lacks.add(has_failed(folder, row.key, row.garment_key) ? "failed" : "missing", row.key);
       continue;
     }
     if (!damage.empty()) {

@@ -92,20 +92,15 @@ struct Run {
   std::mutex mutex = {};
 };
 
-void write_failure(const Run& run, const Chain& chain, const std::string& what) {
-  const Eigen::VectorXd& shape = run.campaign.shapes[chain.shape];
+void write_failure(const std::string& folder, const std::string& key, const std::string& design,
+                   const std::string& motion, const std::string& what) {
   const nlohmann::ordered_json json = {
-      {"key", chain.key},
-      {"class", "solver"},
-      {"what", what},
-      {"motion", run.campaign.motions[chain.motion].name},
-      {"design", run.campaign.designs[chain.design].name},
-      {"shape", std::vector<double>(shape.begin(), shape.end())},
-      {"commit", commit()},
-      {"machine", machine()},
-      {"again", "pleat rerun " + run.options.folder + " --only " + chain.key}};
-  fs::create_directories(run.options.folder + "/failures");
-  write_file_atomically(failure_path(run.options.folder, chain.key), json.dump(2) + "\n");
+      {"key", key},           {"design", design},
+      {"motion", motion},  // none: the design itself failed
+      {"what", what},         {"commit", commit()},
+      {"machine", machine()}, {"again", "pleat rerun " + folder + " --failed"}};
+  fs::create_directories(folder + "/failures");
+  write_file_atomically(failure_path(folder, key), json.dump(2) + "\n");
 }
 
 // Simulates what is missing of one chain and joins its parts to a shard. `progress` is told each
@@ -204,10 +199,15 @@ RunReport settle_garments(const Campaign& campaign, const Manifest& manifest,
   std::set<int> designs;
   for (const Chain& chain : rows_of(manifest, options.slice)) designs.insert(chain.design);
   std::vector<int> missing;
-  for (int d : designs)
-    if (!is_done(options.folder, garment_path(options.folder, manifest.garment_keys[d])))
+  for (int d : designs) {
+    const std::string& key = manifest.garment_keys[d];
+    if (is_done(options.folder, garment_path(options.folder, key)))
+      ++report.kept;
+    else if (fs::exists(failure_path(options.folder, key)))
+      ++report.failed;
+    else
       missing.push_back(d);
-  report.kept = static_cast<int>(designs.size() - missing.size());
+  }
   if (missing.empty()) return report;
 
   const body::BodyModel model = body::read_body(campaign.body_file);
@@ -220,13 +220,21 @@ RunReport settle_garments(const Campaign& campaign, const Manifest& manifest,
   Crew(options.threads, options.limits, campaign.garment_vertices)
       .run(static_cast<int>(missing.size()), [&](int i) {
         const garment::Design& design = campaign.designs[missing[i]];
-        const garment::Garment garment =
-            sim::settle_garment(design, topology, model, fabric, campaign.simulation);
-        garment::write_garment(garment_path(options.folder, manifest.garment_keys[missing[i]]),
-                               garment, provenance);
+        const std::string& key = manifest.garment_keys[missing[i]];
+        std::string failure;
+        garment::Garment garment;
+        try {
+          garment = sim::settle_garment(design, topology, model, fabric, campaign.simulation);
+        } catch (const InputError& error) {  // this design does not settle: the others go on
+          failure = error.what();
+        }
+        if (failure.empty())
+          garment::write_garment(garment_path(options.folder, key), garment, provenance);
+        else
+          write_failure(options.folder, key, design.name, "", failure);
         const std::lock_guard<std::mutex> lock(mutex);
-        ++report.made;
-        progress.advance(1, design.name);
+        ++(failure.empty() ? report.made : report.failed);
+        progress.advance(1, failure.empty() ? design.name : failure);
       });
   report.is_interrupted = is_interrupted();
   return report;
@@ -242,7 +250,7 @@ RunReport run_chains(const Campaign& campaign, const Manifest& manifest,
     if (is_done(options.folder, path)) {
       count_frames(garment::read_clip_head(path), report);
       ++report.kept;
-    } else if (fs::exists(failure_path(options.folder, chain.key))) {
+    } else if (has_failed(options.folder, chain.key, manifest.garment_keys[chain.design])) {
       ++report.failed;
     } else {
       missing.push_back(chain);
@@ -284,7 +292,8 @@ RunReport run_chains(const Campaign& campaign, const Manifest& manifest,
     } catch (const std::bad_alloc&) {
       throw;
     } catch (const std::exception& error) {  // the solver gave up: the others go on
-      write_failure(run, chain, error.what());
+      write_failure(options.folder, chain.key, campaign.designs[chain.design].name,
+                    campaign.motions[chain.motion].name, error.what());
       const std::lock_guard<std::mutex> lock(run.mutex);
       ++run.report.failed;
       return;

@@ -14,8 +14,10 @@
 namespace pleat::campaign {
 namespace {
 
+// Of the chain, or else of its garment.
 Failure read_failure(const std::string& folder, const ManifestRow& row) {
   std::ifstream stream(failure_path(folder, row.key));
+  if (!stream) stream.open(failure_path(folder, row.garment_key));
   const nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
   const bool is_readable = json.is_object() && json.contains("what") && json["what"].is_string();
   return {row.key, row.motion, row.design,
@@ -54,7 +56,8 @@ Status status_of(const std::string& folder) {
         else
           ++status.rejected[c.reason];
       }
-    } else if (failures.count(row.key)) {
+    } else if (failures.count(row.key) ||
+               (failures.count(row.garment_key) && has_failed(folder, row.key, row.garment_key))) {
       status.failures.push_back(read_failure(folder, row));
     } else if (parts.count(row.key)) {
       ++status.under_way;

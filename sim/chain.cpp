@@ -274,9 +274,9 @@ namespace {
 
 // Smaller steps, settled better on the way.
 SimulationConfig patient(SimulationConfig config) {
-  config.ease_deg /= 4;
-  config.ease_residual /= 4;
-  config.ease_iterations *= 4;
+  config.ease_deg /= 2;
+  config.ease_residual /= 2;
+  config.ease_iterations *= 2;
   return config;
 }
 

@@ -72,6 +72,14 @@ TEST(RunTasks, LeavesChainsThatFailed) {
   const RunReport report = run_chains(files.campaign, manifest, options_of(files));
   EXPECT_EQ(report.kept, 7);
   EXPECT_EQ(report.failed, 1);
+  // And those whose design does not settle, which is not tried again either.
+  const int dress = manifest.chains[2].design;
+  std::filesystem::remove(shard_path(files.scratch.path(""), manifest.chains[2].key));
+  for (size_t d = 0; d < manifest.garment_keys.size(); ++d)
+    write_bytes(failure_path(files.scratch.path(""), manifest.garment_keys[d]), "{}");
+  EXPECT_NE(dress, manifest.chains[0].design);
+  EXPECT_EQ(settle_garments(files.campaign, manifest, options_of(files)).failed, 2);
+  EXPECT_EQ(run_chains(files.campaign, manifest, options_of(files)).failed, 2);
 }
 
 // A damaged shard is made again: here that stops for want of its garment, which is named.
