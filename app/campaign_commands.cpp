@@ -25,6 +25,14 @@
 namespace pleat::app {
 namespace {
 
+// A study by its file, or by the folder that it has made, which may have moved since.
+StudyConfig read_study_or_folder(const std::string& path) {
+  if (!std::filesystem::is_directory(path)) return read_study(path);
+  StudyConfig study = read_study(path + "/config.yaml");
+  study.output = path;
+  return study;
+}
+
 // A campaign that has a folder, ready to make parts of it again.
 struct Planned {
   StudyConfig study;
@@ -36,9 +44,8 @@ struct Planned {
 // InputError where an input has changed since: its drapes have other keys now.
 Planned read_planned(const std::string& folder, char** argv) {
   Planned planned;
-  planned.study = read_study(folder + "/config.yaml");
+  planned.study = read_study_or_folder(folder);
   enter_profile(planned.study.profile, argv);
-  planned.study.output = folder;
   planned.campaign = campaign_of(planned.study);
   planned.manifest = campaign::plan(planned.campaign);
   planned.options = run_options_of(planned.study);
@@ -50,12 +57,12 @@ Planned read_planned(const std::string& folder, char** argv) {
       throw InputError(folder + "/manifest.jsonl: has no chain " + chain.key +
                        ", which the body, motions and this version of Pleat give now; `pleat "
                        "simulate " +
-                       folder + "/config.yaml` makes what has changed");
+                       folder + "` makes what has changed");
   return planned;
 }
 
 int plan(const std::string& config, const std::string& bench, bool is_dry) {
-  const StudyConfig study = read_study(config);
+  const StudyConfig study = read_study_or_folder(config);
   const campaign::Campaign campaign = campaign_of(study);
   const campaign::Manifest manifest = campaign::plan(campaign);
   const std::vector<int> frames = campaign::check_inputs(campaign);
@@ -79,7 +86,7 @@ int plan(const std::string& config, const std::string& bench, bool is_dry) {
 
 int simulate(const std::string& config, int index, int count, char** argv) {
   const campaign::TaskSlice slice = campaign::task_slice(index, count);
-  const StudyConfig study = read_study(config);
+  const StudyConfig study = read_study_or_folder(config);
   enter_profile(study.profile, argv);
   if (run_stages(study, Stage::kSimulate, slice)) return kDone;
   spdlog::warn("interrupted; the same command goes on from the last checkpoint");
@@ -97,7 +104,7 @@ int check(const std::string& folder, bool is_repair) {
     return kFailed;
   }
   campaign::repair(folder, report);
-  std::printf("set aside; pleat simulate %s/config.yaml makes them again\n", folder.c_str());
+  std::printf("set aside; pleat simulate %s makes them again\n", folder.c_str());
   return kDone;
 }
 
@@ -145,8 +152,9 @@ struct RerunRequest {
 };
 
 int rerun(const RerunRequest& request, char** argv) {
-  if (request.only.empty() && !request.is_failed && request.reason.empty())
-    throw InputError("rerun: say what: --failed, --rejected REASON or --only KEY[:FRAME]");
+  const int ways = !request.only.empty() + request.is_failed + !request.reason.empty();
+  if (ways != 1)
+    throw InputError("rerun: say one of --failed, --rejected REASON or --only KEY[:FRAME]");
   Planned planned = read_planned(request.folder, argv);
   if (request.max_seconds_per_drape >= 0)
     planned.options.limits.max_seconds_per_drape = request.max_seconds_per_drape;
@@ -159,7 +167,7 @@ int rerun(const RerunRequest& request, char** argv) {
   const auto garment_key = [&](const campaign::Chain& chain) {
     return planned.manifest.garment_keys[chain.design];
   };
-  if (!key.empty()) {
+  if (!request.only.empty()) {
     const auto chain = std::find_if(chains.begin(), chains.end(),
                                     [&](const campaign::Chain& c) { return c.key == key; });
     if (chain == chains.end())
@@ -198,6 +206,8 @@ int rerun(const RerunRequest& request, char** argv) {
   }
   for (const campaign::Chain& chain : chains) {
     if (std::filesystem::exists(path(chain))) campaign::set_aside(request.folder, path(chain));
+    const std::string parts = campaign::parts_path(request.folder, chain.key);
+    if (std::filesystem::exists(parts)) campaign::set_aside(request.folder, parts);
     for (const std::string& failed : {chain.key, garment_key(chain)})
       std::filesystem::remove(campaign::failure_path(request.folder, failed));
   }
@@ -207,7 +217,7 @@ int rerun(const RerunRequest& request, char** argv) {
   const campaign::RunReport report =
       campaign::run_chains(planned.campaign, planned.manifest, planned.options);
   if (report.is_interrupted) {
-    spdlog::warn("interrupted; pleat simulate {}/config.yaml goes on", request.folder);
+    spdlog::warn("interrupted; pleat simulate {} goes on", request.folder);
     return kInterrupted;
   }
   std::printf("%lld of %lld frames accepted, %d chains came to nothing\n",
@@ -243,9 +253,15 @@ void add_campaign_commands(CLI::App& program, int& result, char** argv) {
   const auto add = [&](const std::string& name, const std::string& help, bool is_of_folder) {
     CLI::App* command = program.add_subcommand(name, help);
     if (is_of_folder)
-      command->add_option("FOLDER", a->folder, "the study's output folder")->required();
+      command->add_option("FOLDER", a->folder, "the study's output folder")
+          ->required()
+          ->transform([](const std::string& folder) {  // as Tab completes it
+            const size_t end = folder.find_last_not_of('/');
+            return end == std::string::npos ? folder : folder.substr(0, end + 1);
+          });
     else
-      command->add_option("STUDY", a->config, "the study's YAML file")->required();
+      command->add_option("STUDY", a->config, "the study's YAML file, or its output folder")
+          ->required();
     return command;
   };
 
@@ -280,9 +296,11 @@ void add_campaign_commands(CLI::App& program, int& result, char** argv) {
   command->callback([a, &result] { result = check(a->folder, a->is_repair); });
 
   command = add("verify", "simulate again, and compare bit for bit", true);
-  command->add_option("--sample", a->sample,
-                      "so many pieces only, drawn at random; a piece is what lies between two "
-                      "checkpoints");
+  command
+      ->add_option("--sample", a->sample,
+                   "so many pieces only, drawn at random; a piece is what lies between two "
+                   "checkpoints")
+      ->check(CLI::PositiveNumber);
   command->add_option("--seed", a->seed, "of that draw")->capture_default_str();
   command->callback([a, &result, argv] { result = verify(a->folder, a->sample, a->seed, argv); });
 

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <new>
 #include <set>
 #include <string>
 
@@ -192,6 +193,9 @@ int main(int argc, char** argv) {
     return pleat::app::kBadInput;
   } catch (const pleat::ResourceError& e) {
     spdlog::error("{}", e.what());
+    return pleat::app::kTryAgain;
+  } catch (const std::bad_alloc&) {
+    spdlog::error("memory is short; lower `threads`, or close what else takes memory");
     return pleat::app::kTryAgain;
   } catch (const std::exception& e) {
     spdlog::error("failed: {}", e.what());

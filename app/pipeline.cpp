@@ -300,7 +300,15 @@ void write_plan(const StudyConfig& study, const campaign::Campaign& campaign,
   std::error_code error;
   std::filesystem::create_directories(study.output, error);
   if (error) throw InputError("output: " + study.output + ": " + error.message());
-  write_file_atomically(study.output + "/config.yaml", to_yaml(study));
+  StudyConfig found = study;  // from wherever it is read
+  const auto make_absolute = [](std::string& path) {
+    if (!path.empty()) path = std::filesystem::absolute(path).lexically_normal().string();
+  };
+  make_absolute(found.output);
+  make_absolute(found.body.file);
+  make_absolute(found.fabric.file);
+  for (MotionEntry& motion : found.motions) make_absolute(motion.file);
+  write_file_atomically(study.output + "/config.yaml", to_yaml(found));
   campaign::write_manifest(study.output, campaign, manifest);
 }
 

@@ -1,8 +1,12 @@
 #include "campaign/folder.h"
 
+#include <fcntl.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <system_error>
 
@@ -40,10 +44,14 @@ std::string set_aside(const std::string& folder, const std::string& path) {
   for (int k = 1;; ++k) {
     const std::string target = folder + "/set_aside/" + std::to_string(k) + "_" + name;
     if (fs::exists(target)) continue;
+    if (::renameat2(AT_FDCWD, path.c_str(), AT_FDCWD, target.c_str(), RENAME_NOREPLACE) == 0)
+      return target;
+    if (errno == EEXIST) continue;
+    if (errno == ENOENT) return target;  // another process has done it
     std::error_code error;
-    fs::rename(path, target, error);
-    if (error && fs::exists(path))
-      throw InputError(path + ": cannot be moved to set_aside/: " + error.message());
+    if (errno == EINVAL) fs::rename(path, target, error);  // a file system that cannot
+    if (errno != EINVAL || error)
+      throw InputError(path + ": cannot be moved to set_aside/: " + std::strerror(errno));
     return target;
   }
 }
@@ -61,12 +69,13 @@ std::vector<std::string> leftovers(const std::string& folder) {
   const auto limit = fs::file_time_type::clock::now() - std::chrono::hours(1);
   std::vector<std::string> paths;
   std::error_code error;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, error)) {
+  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end;
+       at.increment(error)) {
     std::error_code gone;
-    const bool is_temporary = entry.path().filename().string().find(".tmp-") != std::string::npos &&
-                              entry.is_regular_file(gone);
-    if (is_temporary && fs::last_write_time(entry.path(), gone) < limit && !gone)
-      paths.push_back(entry.path().string());
+    const std::string path = at->path().string();
+    const bool is_temporary = at->path().filename().string().find(".tmp-") != std::string::npos &&
+                              at->is_regular_file(gone);
+    if (is_temporary && fs::last_write_time(path, gone) < limit && !gone) paths.push_back(path);
   }
   std::sort(paths.begin(), paths.end());
   return paths;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "campaign/check.h"
 #include "campaign/folder.h"
 #include "campaign/manifest.h"
 #include "core/error.h"
@@ -58,7 +59,7 @@ Contents read_contents(const std::string& folder, const IndexConfig& config) {
   std::string damaged, hashes;
   for (const ManifestRow& row : contents.manifest.chains) {
     const std::string path = shard_path(folder, row.key);
-    const std::string damage = Hdf5File::damage_of(path);
+    const std::string damage = damage_of_clip(path, row.key);
     if (damage == "missing") {
       lacks.add(has_failed(folder, row.key, row.garment_key) ? "failed" : "missing", row.key);
       continue;
@@ -89,10 +90,18 @@ Contents read_contents(const std::string& folder, const IndexConfig& config) {
       ++report.rejected[c.reason];
       lacks.add(c.reason, row.key + ":" + std::to_string(t));
     }
-    hashes += row.key + " " + file.text_attribute("/", "content_sha256") + "\n";
+    hashes += row.key + " " + garment::content_hash(row.key, clip.frame_sha256) + "\n";
+  }
+  for (const std::string& key : contents.manifest.garment_keys) {
+    const std::string damage = Hdf5File::damage_of(garment_path(folder, key));
+    if (damage.empty() || fs::exists(failure_path(folder, key))) continue;
+    if (damage == "missing")
+      lacks.add("missing", "garment " + key);
+    else
+      damaged += (damaged.empty() ? "" : ", ") + key + " " + damage;
   }
   if (!damaged.empty())
-    throw InputError(folder + ": damaged shards: " + damaged + "; pleat check " + folder +
+    throw InputError(folder + ": damaged: " + damaged + "; pleat check " + folder +
                      " --repair sets them aside, and pleat simulate makes them again");
   refuse_lacks(folder, lacks, config);
   if (contents.rows.empty()) throw InputError(folder + ": there is no shard to index");

@@ -76,6 +76,10 @@ Manifest plan(const Campaign& campaign) {
         manifest.chains.push_back(std::move(chain));
       }
   }
+  std::set<std::string> keys;
+  for (const Chain& chain : manifest.chains)
+    if (!keys.insert(chain.key).second)
+      throw InputError("shapes: one is given twice; every chain must differ from all others");
   return manifest;
 }
 
@@ -106,6 +110,17 @@ void write_manifest(const std::string& folder, const Campaign& campaign, const M
   write_file_atomically(folder + "/manifest.jsonl", text);
 }
 
+namespace {
+
+// Keys become parts of paths.
+void check_key(const std::string& key) {
+  if (key.size() != kKeyLength || key.find_first_not_of("0123456789abcdef") != std::string::npos)
+    throw InputError("key = '" + key + "'; expected " + std::to_string(kKeyLength) +
+                     " hexadecimal digits");
+}
+
+}  // namespace
+
 ManifestFile read_manifest(const std::string& folder) {
   const std::string path = folder + "/manifest.jsonl";
   std::ifstream stream(path);
@@ -113,22 +128,24 @@ ManifestFile read_manifest(const std::string& folder) {
     throw InputError(path + ": cannot be read; is " + folder + " the folder of a campaign?");
   ManifestFile manifest;
   int number = 0;
+  size_t planned = 0;
   for (std::string line; std::getline(stream, line);) {
     ++number;
     try {
       const nlohmann::json json = nlohmann::json::parse(line);
       if (number == 1) {
         manifest.profile = json.at("profile");
-        for (const nlohmann::json& design : json.at("designs"))
+        planned = json.at("chains");
+        for (const nlohmann::json& design : json.at("designs")) {
           manifest.garment_keys.push_back(design.at("garment"));
+          check_key(manifest.garment_keys.back());
+        }
         continue;
       }
       ManifestRow row{json.at("key"), json.at("garment"), json.at("motion"), json.at("design"),
                       json.at("shape")};
-      if (row.key.size() != kKeyLength ||
-          row.key.find_first_not_of("0123456789abcdef") != std::string::npos)
-        throw InputError("key = '" + row.key + "'; expected " + std::to_string(kKeyLength) +
-                         " hexadecimal digits");
+      check_key(row.key);
+      check_key(row.garment_key);
       manifest.chains.push_back(std::move(row));
     } catch (const nlohmann::json::exception&) {
       throw InputError(path + ":" + std::to_string(number) + ": is no row of a manifest");
@@ -137,6 +154,9 @@ ManifestFile read_manifest(const std::string& folder) {
     }
   }
   if (number == 0) throw InputError(path + ": is empty");
+  if (manifest.chains.size() != planned)
+    throw InputError(path + ": holds " + std::to_string(manifest.chains.size()) + " of " +
+                     std::to_string(planned) + " chains; `pleat plan` writes it anew");
   return manifest;
 }
 

@@ -1,5 +1,7 @@
 #include "campaign/run_tasks.h"
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <mutex>
 #include <new>
@@ -58,17 +60,34 @@ std::vector<Chain> rows_of(const Manifest& manifest, const TaskSlice& slice) {
   return rows;
 }
 
-// The parts of a chain that follow one another from its start and are whole.
-std::vector<std::string> parts_of(const std::string& folder, const std::string& key, int frames) {
-  std::vector<std::string> parts;
-  int next = 0;
-  while (next < frames) {
-    const std::string path = part_path(folder, key, next);
-    if (!Hdf5File::damage_of(path).empty()) break;
-    const garment::Clip head = garment::read_clip_head(path);
-    if (head.first_frame != next || garment::clip_key(path) != key) break;
-    parts.push_back(path);
-    next += static_cast<int>(head.poses.size());
+// What there is of a chain that is not finished: parts that are whole and lead from one to the
+// next.
+struct Parts {
+  std::vector<std::string> paths;
+  int frames = 0;  // that they hold
+  std::optional<garment::ClipState> end;
+};
+
+// Where another process takes a part away meanwhile, the list ends before it.
+Parts parts_of(const std::string& folder, const std::string& key, int frames) {
+  Parts parts;
+  std::string from;  // hash of the state that the next part has to start from
+  while (parts.frames < frames) {
+    const std::string path = part_path(folder, key, parts.frames);
+    try {
+      if (!Hdf5File::damage_of(path).empty() || garment::clip_key(path) != key) break;
+      garment::Clip part = garment::read_clip(path);
+      const int end = parts.frames + static_cast<int>(part.poses.size());
+      if (part.first_frame != parts.frames || part.from_sha256 != from || end > frames ||
+          part.states.size() != 1 || part.states[0].frame != end)
+        break;
+      parts.paths.push_back(path);
+      parts.frames = end;
+      parts.end = std::move(part.states[0]);
+      from = garment::state_hash(*parts.end);
+    } catch (const InputError&) {
+      break;
+    }
   }
   return parts;
 }
@@ -88,7 +107,8 @@ struct Run {
   body::BodyModel model;
   std::vector<body::Motion> motions;  // those that are needed
   Crew crew;
-  RunReport report = {};
+  RunReport report = {};  // live: rejected frames of this run, chains made and failed
+  RunReport total = {};   // of all that is done
   std::mutex mutex = {};
 };
 
@@ -103,24 +123,13 @@ void write_failure(const std::string& folder, const std::string& key, const std:
   write_file_atomically(failure_path(folder, key), json.dump(2) + "\n");
 }
 
-// Simulates what is missing of one chain and joins its parts to a shard. `progress` is told each
-// frame. False where it was stopped before the end.
-bool finish_chain(Run& run, const Chain& chain, Progress& progress) {
+// Simulates what is missing of one chain, part by part. False where it was stopped: by the user, or
+// because another process works on the same chain and was faster.
+bool add_parts(Run& run, const Chain& chain, const garment::Garment& garment, const Parts& parts,
+               Progress& progress) {
   const RunOptions& options = run.options;
   const Campaign& campaign = run.campaign;
   const std::string shard = shard_path(options.folder, chain.key);
-  const body::Motion& motion = run.motions[chain.motion];
-  const int frames = static_cast<int>(motion.frames.size());
-  const double reserve = options.limits.min_free_disk_mb * kMegabyte;
-
-  std::vector<std::string> parts = parts_of(options.folder, chain.key, frames);
-  std::optional<garment::ClipState> from;
-  if (!parts.empty()) {
-    const garment::Clip last = garment::read_clip(parts.back());
-    from = last.states.back();
-  }
-  const garment::Garment garment =
-      garment::read_garment(garment_path(options.folder, run.manifest.garment_keys[chain.design]));
   const garment::Fabric fabric = fabric_of(campaign, chain);
   Provenance provenance = provenance_of(campaign, "simulate",
                                         garment::to_text(fabric) + campaign.settings +
@@ -129,49 +138,97 @@ bool finish_chain(Run& run, const Chain& chain, Progress& progress) {
                                         options.seed);
   provenance.inputs["motion"] = sha256_of_file(campaign.motions[chain.motion].file);
 
-  bool is_superseded = false;  // another process was faster
+  bool is_overtaken = false;
   sim::Supervision supervision;
   supervision.max_seconds_per_drape = options.limits.max_seconds_per_drape;
-  supervision.should_stop = [&] { return is_superseded || run.crew.should_stop(); };
+  supervision.should_stop = [&] { return is_overtaken || run.crew.should_stop(); };
   supervision.on_frame = [&](const garment::Certificate& certificate) {
+    is_overtaken = fs::exists(shard);
     const std::lock_guard<std::mutex> lock(run.mutex);
     if (!certificate.is_accepted) ++run.report.rejected[certificate.reason];
     progress.advance(1, remark_of(run.report.rejected));
   };
   supervision.on_part = [&](const garment::Clip& part) {
-    is_superseded = fs::exists(shard);
-    if (is_superseded) return;
+    if (is_overtaken) return;
+    // A part that another process has put there since, from the same state, stays: where it ends in
+    // another (its clock cut a frame short, say), the chain goes on from there.
+    const std::string path = part_path(options.folder, chain.key, part.first_frame);
+    if (Hdf5File::damage_of(path).empty()) {
+      const garment::Clip theirs = garment::read_clip(path);
+      if (theirs.from_sha256 == part.from_sha256 && theirs.states.size() == 1) {
+        is_overtaken =
+            garment::state_hash(theirs.states[0]) != garment::state_hash(part.states.front());
+        return;
+      }
+    }
     require_space(options.folder,
                   2 * shard_bytes(static_cast<int>(part.poses.size()),
                                   static_cast<int>(part.positions.front().rows()), 1),
-                  reserve);
+                  options.limits.min_free_disk_mb * kMegabyte);
     fs::create_directories(parts_path(options.folder, chain.key));
-    const std::string path = part_path(options.folder, chain.key, part.first_frame);
-    try {
-      garment::write_clip(path, part, chain.key, provenance);
-    } catch (const InputError&) {  // its folder is gone where another process has just finished
-      is_superseded = fs::exists(shard);
-      if (!is_superseded) throw;
-    }
-    parts.push_back(path);
+    garment::write_clip(path, part, chain.key, provenance);
   };
-  if (!from || from->frame < frames)
-    sim::simulate_parts(garment, run.model, campaign.shapes[chain.shape], motion, fabric,
-                        campaign.simulation, from ? &*from : nullptr, supervision);
-  if (is_superseded) return true;
-  if (run.crew.should_stop()) return false;
-  require_space(options.folder,
-                shard_bytes(frames, static_cast<int>(garment.t_pose.rows()),
-                            campaign.simulation.checkpoint_frames),
-                reserve);
+  return sim::simulate_parts(garment, run.model, campaign.shapes[chain.shape],
+                             run.motions[chain.motion], fabric, campaign.simulation,
+                             parts.end ? &*parts.end : nullptr, supervision);
+}
+
+// Takes the parts of a finished chain away, at once for others who look.
+void remove_parts(const std::string& folder, const std::string& key) {
+  const std::string parts = parts_path(folder, key);
+  const std::string gone = parts + ".tmp-" + std::to_string(::getpid());
+  std::error_code error;
+  fs::rename(parts, gone, error);
+  fs::remove_all(gone, error);
+}
+
+// False where the user stopped it before the end.
+bool finish_chain(Run& run, const Chain& chain, Progress& progress) {
+  const RunOptions& options = run.options;
+  const int frames = static_cast<int>(run.motions[chain.motion].frames.size());
+  const std::string shard = shard_path(options.folder, chain.key);
+  const garment::Garment garment =
+      garment::read_garment(garment_path(options.folder, run.manifest.garment_keys[chain.design]));
+  while (!fs::exists(shard)) {
+    const Parts parts = parts_of(options.folder, chain.key, frames);
+    if (parts.frames < frames) {
+      add_parts(run, chain, garment, parts, progress);
+      if (run.crew.should_stop()) return false;
+      continue;
+    }
+    require_space(options.folder,
+                  shard_bytes(frames, static_cast<int>(garment.t_pose.rows()),
+                              run.campaign.simulation.checkpoint_frames),
+                  options.limits.min_free_disk_mb * kMegabyte);
+    garment::join_clips(parts.paths, shard);
+  }
+  remove_parts(options.folder, chain.key);
+  return true;
+}
+
+// The same, where other processes may take away what it reads and writes: then the shard is there.
+// Nothing but the solver's own failure is recorded as one.
+void run_chain(Run& run, const Chain& chain, Progress& progress) {
+  const std::string shard = shard_path(run.options.folder, chain.key);
   try {
-    garment::join_clips(parts, shard);
-  } catch (const InputError&) {
+    if (!finish_chain(run, chain, progress)) return;
+  } catch (const SolverError& error) {
+    write_failure(run.options.folder, chain.key, run.campaign.designs[chain.design].name,
+                  run.campaign.motions[chain.motion].name, error.what());
+    const std::lock_guard<std::mutex> lock(run.mutex);
+    ++run.report.failed;
+    return;
+  } catch (const fs::filesystem_error& error) {
+    if (!fs::exists(shard)) throw ResourceError(error.what());
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception&) {
     if (!fs::exists(shard)) throw;
   }
-  std::error_code error;
-  fs::remove_all(parts_path(options.folder, chain.key), error);
-  return true;
+  const garment::Clip clip = garment::read_clip_head(shard);
+  const std::lock_guard<std::mutex> lock(run.mutex);
+  count_frames(clip, run.total);
+  ++run.report.made;
 }
 
 }  // namespace
@@ -217,25 +274,35 @@ RunReport settle_garments(const Campaign& campaign, const Manifest& manifest,
       provenance_of(campaign, "dress", garment::to_text(fabric) + campaign.settings, options.seed);
   Progress progress("dress", static_cast<int64_t>(missing.size()), "garments");
   std::mutex mutex;
-  Crew(options.threads, options.limits, campaign.garment_vertices)
-      .run(static_cast<int>(missing.size()), [&](int i) {
-        const garment::Design& design = campaign.designs[missing[i]];
-        const std::string& key = manifest.garment_keys[missing[i]];
-        std::string failure;
-        garment::Garment garment;
-        try {
-          garment = sim::settle_garment(design, topology, model, fabric, campaign.simulation);
-        } catch (const InputError& error) {  // this design does not settle: the others go on
-          failure = error.what();
-        }
-        if (failure.empty())
-          garment::write_garment(garment_path(options.folder, key), garment, provenance);
-        else
-          write_failure(options.folder, key, design.name, "", failure);
-        const std::lock_guard<std::mutex> lock(mutex);
-        ++(failure.empty() ? report.made : report.failed);
-        progress.advance(1, failure.empty() ? design.name : failure);
-      });
+  Crew crew(options.threads, options.limits, campaign.garment_vertices);
+  const int count = static_cast<int>(missing.size());
+  crew.run(count, [&](int i) {
+    const int d = missing[(i + options.slice.index) % count];  // tasks begin at different ones
+    const garment::Design& design = campaign.designs[d];
+    const std::string& key = manifest.garment_keys[d];
+    if (fs::exists(garment_path(options.folder, key))) {  // another task was faster
+      const std::lock_guard<std::mutex> lock(mutex);
+      ++report.kept;
+      progress.advance(1, design.name);
+      return;
+    }
+    std::string failure;
+    garment::Garment garment;
+    try {
+      garment = sim::settle_garment(design, topology, model, fabric, campaign.simulation,
+                                    [&] { return crew.should_stop(); });
+    } catch (const InputError& error) {  // this design does not settle: the others go on
+      failure = error.what();
+    }
+    if (!failure.empty() && crew.should_stop()) return;
+    if (failure.empty())
+      garment::write_garment(garment_path(options.folder, key), garment, provenance);
+    else
+      write_failure(options.folder, key, design.name, "", failure);
+    const std::lock_guard<std::mutex> lock(mutex);
+    ++(failure.empty() ? report.made : report.failed);
+    progress.advance(1, failure.empty() ? design.name : failure);
+  });
   report.is_interrupted = is_interrupted();
   return report;
 }
@@ -272,37 +339,17 @@ RunReport run_chains(const Campaign& campaign, const Manifest& manifest,
     if (motion.frames.empty()) motion = body::load_motion(source.file, run.model, source.config);
     motion.name = source.name;
     const int length = static_cast<int>(motion.frames.size());
-    int done = 0;
-    for (const std::string& part : parts_of(options.folder, chain.key, length))
-      done += static_cast<int>(garment::read_clip_head(part).poses.size());
-    frames += length - done;
+    frames += length - parts_of(options.folder, chain.key, length).frames;
     bytes += shard_bytes(length, campaign.garment_vertices, campaign.simulation.checkpoint_frames);
   }
   require_space(options.folder, bytes, options.limits.min_free_disk_mb * kMegabyte);
-  run.report = report;
+  run.report = run.total = report;
   Progress progress("simulate", frames, "frames");
-  run.crew.run(static_cast<int>(missing.size()), [&](int i) {
-    const Chain& chain = missing[i];
-    try {
-      if (!finish_chain(run, chain, progress)) return;
-    } catch (const InputError&) {
-      throw;
-    } catch (const ResourceError&) {
-      throw;
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception& error) {  // the solver gave up: the others go on
-      write_failure(options.folder, chain.key, campaign.designs[chain.design].name,
-                    campaign.motions[chain.motion].name, error.what());
-      const std::lock_guard<std::mutex> lock(run.mutex);
-      ++run.report.failed;
-      return;
-    }
-    const garment::Clip clip = garment::read_clip_head(shard_path(options.folder, chain.key));
-    const std::lock_guard<std::mutex> lock(run.mutex);
-    count_frames(clip, report);
-    ++run.report.made;
-  });
+  // Tasks that share a folder begin at different rows.
+  const int count = static_cast<int>(missing.size());
+  run.crew.run(
+      count, [&](int i) { run_chain(run, missing[(i + options.slice.index) % count], progress); });
+  report = run.total;
   report.made = run.report.made;
   report.failed = run.report.failed;
   report.is_interrupted = is_interrupted();

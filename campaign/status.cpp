@@ -8,6 +8,7 @@
 
 #include "campaign/folder.h"
 #include "campaign/manifest.h"
+#include "core/error.h"
 #include "core/progress.h"
 #include "garment/clip.h"
 
@@ -24,6 +25,17 @@ Failure read_failure(const std::string& folder, const ManifestRow& row) {
           is_readable ? json["what"].get<std::string>() : "its record cannot be read"};
 }
 
+// None where the file cannot be read, which `unreadable` is told.
+std::vector<garment::Certificate> certificates_of(const std::string& path,
+                                                  std::vector<std::string>& unreadable) {
+  try {
+    return garment::read_clip_head(path).certificates;
+  } catch (const InputError&) {
+    unreadable.push_back(path);
+    return {};
+  }
+}
+
 std::string line(const char* name, const std::string& text) {
   char head[32];
   std::snprintf(head, sizeof head, "  %-16s", name);
@@ -34,6 +46,7 @@ std::string line(const char* name, const std::string& text) {
 
 Status status_of(const std::string& folder) {
   Status status;
+  std::vector<std::string> gone;  // parts that became a shard while we looked
   status.folder = folder;
   const ManifestFile manifest = read_manifest(folder);
   const auto set_of = [&](const char* name, const char* ending) {
@@ -47,7 +60,7 @@ Status status_of(const std::string& folder) {
     if (shards.count(row.key)) {
       ++status.done;
       for (const garment::Certificate& c :
-           garment::read_clip_head(shard_path(folder, row.key)).certificates) {
+           certificates_of(shard_path(folder, row.key), status.unreadable)) {
         ++status.frames;
         status.drape_seconds += c.seconds;
         status.retried += c.attempts > 1;
@@ -63,8 +76,7 @@ Status status_of(const std::string& folder) {
       ++status.under_way;
       for (const std::string& name : names_in(parts_path(folder, row.key), ".h5"))
         for (const garment::Certificate& c :
-             garment::read_clip_head(parts_path(folder, row.key) + "/" + name + ".h5")
-                 .certificates) {
+             certificates_of(parts_path(folder, row.key) + "/" + name + ".h5", gone)) {
           ++status.frames_under_way;
           status.drape_seconds += c.seconds;
         }
@@ -104,7 +116,9 @@ std::string to_text(const Status& status) {
   for (const Failure& failure : status.failures)
     text += line("failed", failure.key + " (" + failure.motion + ", " + failure.design +
                                "): " + failure.what);
-  const std::string next = left > 0 ? "pleat simulate " + status.folder + "/config.yaml"
+  for (const std::string& path : status.unreadable)
+    text += line("damaged", path + "; pleat check " + status.folder + " --repair");
+  const std::string next = left > 0                   ? "pleat simulate " + status.folder
                            : !status.failures.empty() ? "pleat rerun " + status.folder + " --failed"
                                                       : "pleat index " + status.folder;
   return text + line("next", next);
@@ -123,6 +137,7 @@ std::string to_json(const Status& status) {
                                  {"drape_seconds", status.drape_seconds}};
   json["rejected"] = nlohmann::ordered_json::object();
   for (const auto& [reason, count] : status.rejected) json["rejected"][reason] = count;
+  json["unreadable"] = status.unreadable;
   json["failures"] = nlohmann::ordered_json::array();
   for (const Failure& f : status.failures)
     json["failures"].push_back(

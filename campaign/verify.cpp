@@ -1,6 +1,7 @@
 #include "campaign/verify.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <mutex>
 #include <set>
 
@@ -20,25 +21,27 @@ struct Ingredients {
   garment::Garment garment;
   body::Motion motion;
   garment::Fabric fabric;
-  garment::Clip shard;
+  garment::Clip shard;  // the piece
 };
 
 Ingredients ingredients_of(const Campaign& campaign, const Manifest& manifest,
                            const std::string& folder, const body::BodyModel& model,
-                           const Chain& chain) {
+                           const Piece& piece) {
+  const Chain& chain = manifest.chains[piece.chain];
   const MotionSource& source = campaign.motions[chain.motion];
   Ingredients result{
       garment::read_garment(garment_path(folder, manifest.garment_keys[chain.design])),
       body::load_motion(source.file, model, source.config), fabric_of(campaign, chain),
-      garment::read_clip(shard_path(folder, chain.key))};
+      garment::read_clip_frames(shard_path(folder, chain.key), piece.first_frame, piece.frames)};
   result.motion.name = source.name;
   return result;
 }
 
-// Frames first_frame .. first_frame + frames - 1, made again; fewer where it was stopped.
+// The piece's first frames, made again; none where it was stopped.
 garment::Clip make_again(const Campaign& campaign, const body::BodyModel& model,
-                         const Ingredients& made_of, const Chain& chain, int first_frame,
-                         int frames, sim::Supervision supervision) {
+                         const Ingredients& made_of, const Chain& chain, int frames,
+                         sim::Supervision supervision) {
+  const int first_frame = made_of.shard.first_frame;
   const garment::ClipState* from = nullptr;
   for (const garment::ClipState& state : made_of.shard.states)
     if (state.frame == first_frame) from = &state;
@@ -51,6 +54,21 @@ garment::Clip make_again(const Campaign& campaign, const body::BodyModel& model,
   return again;
 }
 
+std::vector<Piece> pieces_of_chain(const std::string& path, int chain) {
+  const Hdf5File file = Hdf5File::open(path);
+  const int frames = static_cast<int>(file.dims("positions").at(0));
+  std::vector<int> starts = file.read<int>("states/frame");
+  starts.insert(starts.begin(), 0);
+  starts.push_back(frames);
+  std::vector<Piece> pieces;
+  for (size_t k = 0; k + 1 < starts.size(); ++k) {
+    if (starts[k + 1] <= starts[k])
+      throw InputError(path + ": states/frame: is no rising list of frames of the clip");
+    pieces.push_back({chain, starts[k], starts[k + 1] - starts[k]});
+  }
+  return pieces;
+}
+
 }  // namespace
 
 std::vector<Piece> pieces_of(const Manifest& manifest, const std::string& folder, int sample,
@@ -58,14 +76,9 @@ std::vector<Piece> pieces_of(const Manifest& manifest, const std::string& folder
   std::vector<Piece> pieces;
   for (size_t c = 0; c < manifest.chains.size(); ++c) {
     const std::string path = shard_path(folder, manifest.chains[c].key);
-    if (Hdf5File::damage_of(path) == "missing") continue;
-    const Hdf5File file = Hdf5File::open(path);
-    const int frames = static_cast<int>(file.dims("positions").at(0));
-    std::vector<int> starts = file.read<int>("states/frame");
-    starts.insert(starts.begin(), 0);
-    starts.push_back(frames);
-    for (size_t k = 0; k + 1 < starts.size(); ++k)
-      pieces.push_back({static_cast<int>(c), starts[k], starts[k + 1] - starts[k]});
+    if (!std::filesystem::exists(path)) continue;
+    const std::vector<Piece> more = pieces_of_chain(path, static_cast<int>(c));
+    pieces.insert(pieces.end(), more.begin(), more.end());
   }
   if (sample <= 0 || static_cast<size_t>(sample) >= pieces.size()) return pieces;
   RandomStream random(seed, "verify");
@@ -91,7 +104,7 @@ VerifyReport verify(const Campaign& campaign, const Manifest& manifest, const Ru
   crew.run(static_cast<int>(pieces.size()), [&](int i) {
     const Piece& piece = pieces[i];
     const Chain& chain = manifest.chains[piece.chain];
-    const Ingredients made_of = ingredients_of(campaign, manifest, options.folder, model, chain);
+    const Ingredients made_of = ingredients_of(campaign, manifest, options.folder, model, piece);
     const std::string where =
         Hdf5File::open(shard_path(options.folder, chain.key)).text_attribute("/", "machine");
     sim::Supervision supervision;
@@ -101,7 +114,7 @@ VerifyReport verify(const Campaign& campaign, const Manifest& manifest, const Ru
       progress.advance(1);
     };
     const garment::Clip again =
-        make_again(campaign, model, made_of, chain, piece.first_frame, piece.frames, supervision);
+        make_again(campaign, model, made_of, chain, piece.frames, supervision);
     if (again.poses.empty()) return;  // stopped
     const std::lock_guard<std::mutex> lock(mutex);
     ++report.pieces;
@@ -110,8 +123,12 @@ VerifyReport verify(const Campaign& campaign, const Manifest& manifest, const Ru
     bool is_timed = false;
     for (int t = 0; t < piece.frames; ++t) {
       const size_t frame = static_cast<size_t>(piece.first_frame + t);
-      is_timed |= made_of.shard.certificates.at(frame).reason == garment::kOutOfTime;
-      if (garment::frame_hash(again, t) == made_of.shard.frame_sha256.at(frame)) continue;
+      const size_t i = static_cast<size_t>(t);
+      is_timed |= made_of.shard.certificates[i].reason == garment::kOutOfTime;
+      const std::string hash = garment::frame_hash(again, t);
+      // Both what the shard says that it holds, and what it holds.
+      if (hash == made_of.shard.frame_sha256[i] && hash == garment::frame_hash(made_of.shard, t))
+        continue;
       report.differences.push_back({piece, static_cast<int>(frame), is_timed});
       break;
     }
@@ -123,26 +140,26 @@ VerifyReport verify(const Campaign& campaign, const Manifest& manifest, const Ru
 
 FrameAgain run_frame_again(const Campaign& campaign, const Manifest& manifest,
                            const RunOptions& options, int chain, int frame) {
-  const std::vector<Piece> pieces = pieces_of(manifest, options.folder, 0, 0);
-  for (const Piece& piece : pieces) {
-    if (piece.chain != chain || frame < piece.first_frame ||
-        frame >= piece.first_frame + piece.frames)
-      continue;
-    const body::BodyModel model = body::read_body(campaign.body_file);
-    const Chain& row = manifest.chains[chain];
-    const Ingredients made_of = ingredients_of(campaign, manifest, options.folder, model, row);
-    const int frames = frame - piece.first_frame + 1;
-    Progress progress("rerun", frames, "frames");
-    sim::Supervision supervision;
-    supervision.max_seconds_per_drape = options.limits.max_seconds_per_drape;
-    supervision.should_stop = is_interrupted;
-    supervision.on_frame = [&](const garment::Certificate& c) { progress.advance(1, c.reason); };
-    const garment::Clip again =
-        make_again(campaign, model, made_of, row, piece.first_frame, frames, supervision);
-    if (again.poses.empty()) return {};
-    return {made_of.shard.certificates[frame], again.certificates.back(),
-            garment::frame_hash(again, frames - 1) == made_of.shard.frame_sha256[frame]};
-  }
+  const std::string path = shard_path(options.folder, manifest.chains[chain].key);
+  if (std::filesystem::exists(path))
+    for (const Piece& piece : pieces_of_chain(path, chain)) {
+      const int t = frame - piece.first_frame;
+      if (t < 0 || t >= piece.frames) continue;
+      const body::BodyModel model = body::read_body(campaign.body_file);
+      const Ingredients made_of = ingredients_of(campaign, manifest, options.folder, model, piece);
+      Progress progress("rerun", t + 1, "frames");
+      sim::Supervision supervision;
+      supervision.max_seconds_per_drape = options.limits.max_seconds_per_drape;
+      supervision.should_stop = is_interrupted;
+      supervision.on_frame = [&](const garment::Certificate& c) { progress.advance(1, c.reason); };
+      const garment::Clip again =
+          make_again(campaign, model, made_of, manifest.chains[chain], t + 1, supervision);
+      if (again.poses.empty()) return {};
+      const std::string hash = garment::frame_hash(again, t);
+      return {
+          made_of.shard.certificates[t], again.certificates.back(),
+          hash == made_of.shard.frame_sha256[t] && hash == garment::frame_hash(made_of.shard, t)};
+    }
   throw InputError("chain " + manifest.chains[chain].key + " has no frame " +
                    std::to_string(frame) + ", or is not simulated yet");
 }

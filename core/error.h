@@ -12,6 +12,13 @@ class InputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// A computation came to nothing for what it was given, such as forces that are not finite. Campaigns
+// record it and go on with the rest.
+class SolverError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 // The machine is at fault, for now: the disk is full, memory is short. The same command, given again
 // once there is room, goes on. The program prints the message and exits with code 75, which batch
 // systems take as "try again".

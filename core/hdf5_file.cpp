@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
@@ -35,8 +37,13 @@ class Id {
   herr_t (*close_)(hid_t);
 };
 
-// HDF5 prints its error stack by default, and keeps that setting per thread.
-void keep_quiet() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+// HDF5 prints its error stack by default, and keeps that setting per thread. At the end of the
+// process it would close again what it could not close on a full disk, and crash.
+void keep_quiet() {
+  static const bool is_told = H5dont_atexit() >= 0;
+  static_cast<void>(is_told);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 [[noreturn]] void fail(const std::string& path, const std::string& what) {
   throw InputError(path + ": " + what);
@@ -227,9 +234,10 @@ Id select_rows(hid_t file_space, const Dims& dims, int64_t first, int64_t rows,
                       "command again");
 }
 
-void check_written(herr_t status, bool is_misfit, const std::string& where) {
+// What was written may still lie in HDF5's buffers; whether it got through is known after a flush.
+void check_written(hid_t array, herr_t status, bool is_misfit, const std::string& where) {
   if (is_misfit) throw InputError(where + ": a number does not fit the integer type to store");
-  if (status < 0) fail_to_write(where);
+  if (status < 0 || H5Dflush(array) < 0) fail_to_write(where);
 }
 
 constexpr int64_t kUserBlock = 512;  // bytes at the head of a file that HDF5 leaves alone
@@ -281,7 +289,7 @@ void write_scalar_attribute(hid_t file, const std::string& path, const std::stri
   const Id attribute(H5Acreate2(owner, name.c_str(), stored, space, H5P_DEFAULT, H5P_DEFAULT),
                      H5Aclose);
   if (!attribute.is_valid() || H5Awrite(attribute, memory, value) < 0) {
-    fail(path, "attribute '" + name + "' of '" + object + "' cannot be written");
+    fail_to_write(path + ": attribute '" + name + "' of '" + object + "'");
   }
 }
 
@@ -345,19 +353,21 @@ Hdf5File Hdf5File::create(const std::string& path) {
   const hid_t handle = H5Fcreate(temporary_path.c_str(), H5F_ACC_TRUNC, creation, H5P_DEFAULT);
   if (handle < 0) {
     ::unlink(temporary_path.c_str());
-    fail(path, "cannot be created as an HDF5 file");
+    fail_to_write(path);
   }
   return Hdf5File(path, temporary_path, handle);
 }
 
 std::string Hdf5File::damage_of(const std::string& path) {
+  const OpenFile file(std::fopen(path.c_str(), "rb"));
+  if (!file && errno == ENOENT) return "missing";
   std::error_code error;
   const int64_t size = static_cast<int64_t>(std::filesystem::file_size(path, error));
-  if (error) return "missing";
-  const OpenFile file(std::fopen(path.c_str(), "rb"));
+  // That it cannot be looked at does not make it a bad file.
+  if (!file || error)
+    fail(path, std::string("cannot be read: ") + (file ? error.message() : std::strerror(errno)));
   std::string head(kUserBlock, '\0');
-  if (!file || std::fread(head.data(), 1, head.size(), file.get()) != head.size())
-    return "truncated";
+  if (std::fread(head.data(), 1, head.size(), file.get()) != head.size()) return "truncated";
   head.erase(head.find_last_not_of('\0') + 1);
   long long told = -1;
   if (std::sscanf(head.c_str(), "Pleat: HDF5 after 512 bytes, size %lld", &told) != 1)
@@ -398,7 +408,7 @@ void Hdf5File::write_raw(const std::string& name, const void* data, Hdf5Type mem
   bool is_misfit = false;
   const Id transfer = make_transfer(&is_misfit);
   const herr_t status = H5Dwrite(array, memory_type(memory), H5S_ALL, H5S_ALL, transfer, data);
-  check_written(status, is_misfit, path_ + ": array '" + name + "'");
+  check_written(array, status, is_misfit, path_ + ": array '" + name + "'");
 }
 
 void Hdf5File::write(
@@ -427,7 +437,7 @@ void Hdf5File::write(const std::string& name, const std::vector<std::string>& te
   std::vector<const char*> pointers;
   for (const std::string& text : texts) pointers.push_back(text.c_str());
   const herr_t status = H5Dwrite(array, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data());
-  check_written(status, false, where);
+  check_written(array, status, false, where);
 }
 
 void Hdf5File::create_dataset(const std::string& name, const Dims& dims, Hdf5Type stored,
@@ -462,7 +472,7 @@ void Hdf5File::write_rows_raw(const std::string& name, int64_t first, int64_t ro
   const Id transfer = make_transfer(&is_misfit);
   const herr_t status =
       H5Dwrite(array.id, memory_type(memory), memory_space, file_space, transfer, data);
-  check_written(status, is_misfit, array.where);
+  check_written(array.id, status, is_misfit, array.where);
 }
 
 void Hdf5File::link(const std::string& name, const std::string& file, const std::string& object) {

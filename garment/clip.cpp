@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -51,57 +52,67 @@ Certificate certificate(const Hdf5File& file, const double* n) {
   return c;
 }
 
-void write_states(Hdf5File& file, const std::vector<ClipState>& states, int64_t vertices) {
-  const int64_t count = static_cast<int64_t>(states.size());
+// What a file says of its states before they are read.
+struct StateList {
   std::vector<int> frames;
   std::vector<uint8_t> is_sound;
-  for (const ClipState& state : states) {
-    frames.push_back(state.frame);
-    is_sound.push_back(state.is_sound ? 1 : 0);
-  }
-  file.write("states/frame", frames, {count});
-  file.write("states/is_sound", is_sound, {count});
+};
+
+void write_states(Hdf5File& file, const StateList& list, int64_t vertices,
+                  const std::function<ClipState(int64_t)>& state_at) {
+  const int64_t count = static_cast<int64_t>(list.frames.size());
+  file.write("states/frame", list.frames, {count});
+  file.write("states/is_sound", list.is_sound, {count});
   if (count == 0) return;
   file.create_dataset("states/positions", {count, vertices, 3}, Hdf5Type::kFloat64);
   file.create_dataset("states/anchor_faces", {count, vertices}, Hdf5Type::kInt32, 1, 1);
   file.create_dataset("states/anchor_barycentrics", {count, vertices, 3}, Hdf5Type::kFloat64, 1, 1);
   for (int64_t k = 0; k < count; ++k) {
-    const ClipState& state = states[static_cast<size_t>(k)];
+    const ClipState state = state_at(k);
+    if (state.positions.rows() != vertices)
+      throw std::invalid_argument("write_clip: states and frames differ in their vertices");
     file.write_rows("states/positions", k, 1, state.positions.data());
     file.write_rows("states/anchor_faces", k, 1, state.anchor_faces.data());
     file.write_rows("states/anchor_barycentrics", k, 1, state.anchor_barycentrics.data());
   }
 }
 
-std::vector<ClipState> read_states(const Hdf5File& file, int64_t vertices) {
-  std::vector<ClipState> states;
+// Frames rise, and lie behind the clip's first and not behind its end.
+StateList read_state_list(const Hdf5File& file, int first_frame, int64_t frames) {
   const Dims dims = file.dims("states/frame");
   if (dims.size() != 1) refuse(file, "states/frame", "its shape is not [n]");
-  const std::vector<int> frames = file.read<int>("states/frame");
-  const int64_t count = dims[0];
-  if (count == 0) return states;
-  checked_dims(file, "states/is_sound", {count});
-  const std::vector<uint8_t> is_sound = file.read<uint8_t>("states/is_sound");
+  if (file.dims("states/is_sound") != dims) refuse(file, "states/is_sound", "has another shape");
+  StateList list{file.read<int>("states/frame"), file.read<uint8_t>("states/is_sound")};
+  int64_t before = first_frame;
+  for (int frame : list.frames) {
+    if (frame <= before || frame > first_frame + frames)
+      refuse(file, "states/frame", "is no rising list of frames of the clip");
+    before = frame;
+  }
+  return list;
+}
+
+ClipState read_state(const Hdf5File& file, const StateList& list, int64_t vertices, int64_t k) {
+  const int64_t count = static_cast<int64_t>(list.frames.size());
   checked_dims(file, "states/positions", {count, vertices, 3});
   checked_dims(file, "states/anchor_faces", {count, vertices});
   checked_dims(file, "states/anchor_barycentrics", {count, vertices, 3});
-  for (int64_t k = 0; k < count; ++k) {
-    const size_t i = static_cast<size_t>(k);
-    ClipState state{frames[i], is_sound[i] != 0, Points3(vertices, 3), Eigen::VectorXi(vertices),
-                    Points3(vertices, 3)};
-    file.read_rows("states/positions", k, 1, state.positions.data());
-    file.read_rows("states/anchor_faces", k, 1, state.anchor_faces.data());
-    file.read_rows("states/anchor_barycentrics", k, 1, state.anchor_barycentrics.data());
-    if (!state.positions.allFinite() || !state.anchor_barycentrics.allFinite())
-      refuse(file, "states", "holds a value that is not finite");
-    states.push_back(std::move(state));
-  }
-  return states;
+  const size_t i = static_cast<size_t>(k);
+  ClipState state{list.frames[i], list.is_sound[i] != 0, Points3(vertices, 3),
+                  Eigen::VectorXi(vertices), Points3(vertices, 3)};
+  file.read_rows("states/positions", k, 1, state.positions.data());
+  file.read_rows("states/anchor_faces", k, 1, state.anchor_faces.data());
+  file.read_rows("states/anchor_barycentrics", k, 1, state.anchor_barycentrics.data());
+  if (!state.positions.allFinite() || !state.anchor_barycentrics.allFinite())
+    refuse(file, "states", "holds a value that is not finite");
+  if (state.anchor_faces.minCoeff() < -1) refuse(file, "states/anchor_faces", "holds no face");
+  return state;
 }
 
-// A clip whose positions come frame by frame; clip.frame_sha256 is known.
+// A clip whose positions and states come one by one; clip.frame_sha256 is known.
 void write_clip_file(const std::string& path, const Clip& clip, int64_t vertices,
-                     const std::function<Points3(int64_t)>& positions, const std::string& key,
+                     const std::function<Points3(int64_t)>& positions, const StateList& states,
+                     const std::function<ClipState(int64_t)>& state_at, const std::string& key,
                      const Provenance& provenance) {
   const int64_t frames = static_cast<int64_t>(clip.poses.size());
   Hdf5File file = Hdf5File::create(path);
@@ -133,12 +144,13 @@ void write_clip_file(const std::string& path, const Clip& clip, int64_t vertices
       throw std::invalid_argument("write_clip: frames differ in their vertices");
     file.write_rows("positions", t, 1, x.data());
   }
-  write_states(file, clip.states, vertices);
+  write_states(file, states, vertices, state_at);
   file.write_attribute("/", "key", key);
   file.write_attribute("/", "content_sha256", content_hash(key, clip.frame_sha256));
   file.write_attribute("/", "motion_name", clip.motion_name);
   file.write_attribute("/", "frame_rate_hz", clip.frame_rate_hz);
   file.write_attribute("/", "first_frame", clip.first_frame);
+  file.write_attribute("/", "from_sha256", clip.from_sha256);
   write_design(file, clip.design);
   write_fabric(file, clip.fabric);
   write_provenance(file, provenance);
@@ -162,6 +174,7 @@ Clip read_head(const Hdf5File& file) {
   if (!(clip.frame_rate_hz > 0) || !std::isfinite(clip.frame_rate_hz))
     refuse(file, "frame_rate_hz", "expected > 0");
   clip.first_frame = whole(file, file.number_attribute("/", "first_frame"));
+  clip.from_sha256 = file.text_attribute("/", "from_sha256");
 
   const Dims dims = checked_dims(file, "positions", {-1, -1, 3});
   const int64_t frames = dims[0];
@@ -224,6 +237,17 @@ std::string content_hash(const std::string& key, const std::vector<std::string>&
   return sha256(text);
 }
 
+std::string state_hash(const ClipState& state) {
+  Sha256 hash;
+  const int head[2] = {state.frame, state.is_sound ? 1 : 0};
+  hash.add(head, sizeof head);
+  hash.add(state.positions.data(), sizeof(double) * static_cast<size_t>(state.positions.size()));
+  hash.add(state.anchor_faces.data(), sizeof(int) * static_cast<size_t>(state.anchor_faces.size()));
+  hash.add(state.anchor_barycentrics.data(),
+           sizeof(double) * static_cast<size_t>(state.anchor_barycentrics.size()));
+  return hash.hex();
+}
+
 void write_clip(const std::string& path, const Clip& clip, const std::string& key,
                 const Provenance& provenance) {
   const size_t frames = clip.positions.size();
@@ -232,59 +256,122 @@ void write_clip(const std::string& path, const Clip& clip, const std::string& ke
         "write_clip: a clip has one pose, position and certificate a frame, and a frame");
   Clip head = clip;
   head.positions.clear();
+  head.states.clear();
   head.frame_sha256.clear();
   for (size_t t = 0; t < frames; ++t)
     head.frame_sha256.push_back(frame_hash(clip, static_cast<int>(t)));
+  StateList states;
+  for (const ClipState& state : clip.states) {
+    states.frames.push_back(state.frame);
+    states.is_sound.push_back(state.is_sound ? 1 : 0);
+  }
   write_clip_file(
       path, head, clip.positions.front().rows(),
-      [&](int64_t t) { return clip.positions[static_cast<size_t>(t)]; }, key, provenance);
+      [&](int64_t t) { return clip.positions[static_cast<size_t>(t)]; }, states,
+      [&](int64_t k) { return clip.states[static_cast<size_t>(k)]; }, key, provenance);
+}
+
+Clip read_clip_frames(const std::string& path, int first, int count) {
+  const Hdf5File file = Hdf5File::open(path);
+  Clip clip = read_head(file);
+  const int total = static_cast<int>(clip.poses.size());
+  if (first < 0 || count < 1 || first > total - count)
+    throw InputError(path + ": has " + std::to_string(total) + " frames; " + std::to_string(first) +
+                     " to " + std::to_string(first + count - 1) + " were asked for");
+  const StateList list = read_state_list(file, clip.first_frame, total);
+  const int64_t vertices = file.dims("positions")[1];
+  const auto cut = [&](auto& values) {
+    values.erase(values.begin() + first + count, values.end());
+    values.erase(values.begin(), values.begin() + first);
+  };
+  cut(clip.poses);
+  cut(clip.certificates);
+  cut(clip.frame_sha256);
+  for (int t = first; t < first + count; ++t)
+    clip.positions.push_back(read_positions(file, vertices, t));
+  const int begin = clip.first_frame + first;
+  // A whole clip's last state may start a frame behind its end.
+  const int end = begin + count + (first + count == total ? 1 : 0);
+  for (size_t k = 0; k < list.frames.size(); ++k)
+    if (list.frames[k] >= begin && list.frames[k] < end)
+      clip.states.push_back(read_state(file, list, vertices, static_cast<int64_t>(k)));
+  if (first > 0) clip.from_sha256.clear();
+  clip.first_frame = begin;
+  return clip;
 }
 
 Clip read_clip(const std::string& path) {
-  const Hdf5File file = Hdf5File::open(path);
-  Clip clip = read_head(file);
-  const int64_t vertices = file.dims("positions")[1];
-  for (size_t t = 0; t < clip.poses.size(); ++t)
-    clip.positions.push_back(read_positions(file, vertices, static_cast<int64_t>(t)));
-  clip.states = read_states(file, vertices);
-  return clip;
+  const int frames = static_cast<int>(Hdf5File::open(path).dims("positions").at(0));
+  return read_clip_frames(path, 0, frames);
 }
 
 Clip read_clip_head(const std::string& path) { return read_head(Hdf5File::open(path)); }
 
 void join_clips(const std::vector<std::string>& parts, const std::string& path) {
   if (parts.empty()) throw std::invalid_argument("join_clips: no part");
-  std::vector<Hdf5File> files;
-  for (const std::string& part : parts) files.push_back(Hdf5File::open(part));
+  struct Place {
+    size_t part;
+    int64_t row;
+  };
+  std::vector<Place> frames, ends;  // of each frame, of each state
+  StateList states;
   Clip whole;
-  std::vector<std::pair<const Hdf5File*, int64_t>> place;  // of each frame
-  const int64_t vertices = files.front().dims("positions")[1];
-  for (const Hdf5File& file : files) {
+  int64_t vertices = 0;
+  for (size_t p = 0; p < parts.size(); ++p) {
+    const Hdf5File file = Hdf5File::open(parts[p]);
     Clip part = read_head(file);
-    if (&file == &files.front()) {
-      whole = part;
-    } else {
-      if (part.first_frame != whole.first_frame + static_cast<int>(whole.poses.size()))
-        refuse(file, "first_frame", "does not follow the part before");
-      whole.poses.insert(whole.poses.end(), part.poses.begin(), part.poses.end());
-      whole.certificates.insert(whole.certificates.end(), part.certificates.begin(),
-                                part.certificates.end());
-      whole.frame_sha256.insert(whole.frame_sha256.end(), part.frame_sha256.begin(),
-                                part.frame_sha256.end());
+    const int next = whole.first_frame + static_cast<int>(whole.poses.size());
+    if (p > 0 && part.first_frame != next)
+      refuse(file, "first_frame", "does not follow the part before");
+    const int64_t count = static_cast<int64_t>(part.poses.size());
+    const StateList list = read_state_list(file, part.first_frame, count);
+    for (size_t k = 0; k < list.frames.size(); ++k) {
+      states.frames.push_back(list.frames[k]);
+      states.is_sound.push_back(list.is_sound[k]);
+      ends.push_back({p, static_cast<int64_t>(k)});
     }
-    for (size_t t = 0; t < part.poses.size(); ++t)
-      place.emplace_back(&file, static_cast<int64_t>(t));
-    for (ClipState& state : read_states(file, vertices)) whole.states.push_back(std::move(state));
+    for (int64_t t = 0; t < count; ++t) frames.push_back({p, t});
+    if (p == 0) {
+      vertices = file.dims("positions")[1];
+      whole = std::move(part);
+      continue;
+    }
+    const auto append = [](auto& all, const auto& more) {
+      all.insert(all.end(), more.begin(), more.end());
+    };
+    append(whole.poses, part.poses);
+    append(whole.certificates, part.certificates);
+    append(whole.frame_sha256, part.frame_sha256);
   }
   const int end = whole.first_frame + static_cast<int>(whole.poses.size());
-  if (!whole.states.empty() && whole.states.back().frame == end) whole.states.pop_back();
+  if (!states.frames.empty() && states.frames.back() == end) {
+    states.frames.pop_back();
+    states.is_sound.pop_back();
+  }
+  std::optional<Hdf5File> open;
+  size_t open_part = parts.size();
+  const auto file_of = [&](const Place& place) -> const Hdf5File& {
+    if (place.part != open_part) open.emplace(Hdf5File::open(parts[place.part]));
+    open_part = place.part;
+    return *open;
+  };
+  const Hdf5File first = Hdf5File::open(parts.front());
   write_clip_file(
       path, whole, vertices,
       [&](int64_t t) {
-        const auto& [file, row] = place[static_cast<size_t>(t)];
-        return read_positions(*file, vertices, row);
+        const Place& place = frames[static_cast<size_t>(t)];
+        return read_positions(file_of(place), vertices, place.row);
       },
-      files.front().text_attribute("/", "key"), read_provenance(files.front()));
+      states,
+      [&](int64_t k) {
+        const Place& place = ends[static_cast<size_t>(k)];
+        const Hdf5File& file = file_of(place);
+        const Clip head = read_head(file);
+        return read_state(
+            file, read_state_list(file, head.first_frame, static_cast<int64_t>(head.poses.size())),
+            vertices, place.row);
+      },
+      first.text_attribute("/", "key"), read_provenance(first));
 }
 
 std::string clip_key(const std::string& path) {

@@ -55,6 +55,7 @@ struct Clip {
   std::vector<Points3> positions;         // T of #V x 3, m, world
   std::vector<Certificate> certificates;  // T
   std::vector<ClipState> states;          // of frames from which the clip can be taken up again
+  std::string from_sha256;  // of the state that the first frame started from; empty: of none
   std::vector<std::string> frame_sha256;  // T; see below; filled by reading
 };
 
@@ -62,17 +63,20 @@ struct Clip {
 void write_clip(const std::string& path, const Clip& clip, const std::string& key,
                 const Provenance& provenance);
 Clip read_clip(const std::string& path);       // InputError naming file and array
-Clip read_clip_head(const std::string& path);  // the same without positions
+Clip read_clip_head(const std::string& path);  // the same without positions and states
+// Frames first .. first + count - 1 of the file, and the states from which one of them starts.
+Clip read_clip_frames(const std::string& path, int first, int count);
 std::string clip_key(const std::string& path);
 
 // SHA-256 of pose, positions as stored, and certificate without its seconds: of all that a frame
 // has to say, and nothing of when and where it was made.
 std::string frame_hash(const Clip& clip, int t);
+std::string state_hash(const ClipState& state);
 // Of the whole clip, from its key and frames.
 std::string content_hash(const std::string& key, const std::vector<std::string>& frame_sha256);
 
-// Parts of a clip that follow one another, as one file with the key and provenance of the first.
-// Holds one frame of positions at a time.
+// Parts of a clip that follow one another, each with the state at its end, as one file with the key
+// and provenance of the first. Holds one frame of positions and one state at a time.
 void join_clips(const std::vector<std::string>& parts, const std::string& path);
 
 }  // namespace pleat::garment

@@ -304,6 +304,7 @@ class Walk {
 
   garment::Certificate drape_frame(int t) {
     start_ = processor_seconds();
+    was_stopped_ = false;
     const garment::ClipState before = chain_->state(t, is_sound_);
     garment::Certificate certificate = try_frame(*chain_, t);
     const int retries = is_sound_ ? config_.retries : 0;
@@ -318,6 +319,7 @@ class Walk {
       certificate.attempts = k + 1;
       chain_ = taken_up(other->state(t + 1, true), config_);
     }
+    if (!certificate.is_accepted && is_out_of_time()) certificate.reason = garment::kOutOfTime;
     is_sound_ = certificate.is_accepted;
     certificate.seconds = processor_seconds() - start_;
     return certificate;
@@ -331,16 +333,19 @@ class Walk {
     return supervision_.max_seconds_per_drape > 0 &&
            processor_seconds() - start_ > supervision_.max_seconds_per_drape;
   }
-  bool is_stopped() const { return is_cancelled() || is_out_of_time(); }
+  // Remembered: a try that was cut short anywhere on its way is none.
+  bool is_stopped() {
+    was_stopped_ = was_stopped_ || is_cancelled() || is_out_of_time();
+    return was_stopped_;
+  }
 
-  std::unique_ptr<Chain> dressed(const SimulationConfig& config) const {
+  std::unique_ptr<Chain> dressed(const SimulationConfig& config) {
     return std::make_unique<Chain>(
         garment_.topology, garment_.panels, model_, fabric_, config,
         [this] { return is_stopped(); }, Wearer{Eigen::VectorXd::Zero(shape_.size()), body::Pose{}},
         garment_.t_pose);
   }
-  std::unique_ptr<Chain> taken_up(const garment::ClipState& state,
-                                  const SimulationConfig& config) const {
+  std::unique_ptr<Chain> taken_up(const garment::ClipState& state, const SimulationConfig& config) {
     if (state.frame == 0) return dressed(config);
     auto chain = std::make_unique<Chain>(
         garment_.topology, garment_.panels, model_, fabric_, config,
@@ -350,13 +355,13 @@ class Walk {
     return chain;
   }
 
-  garment::Certificate try_frame(Chain& chain, int t, bool is_anew = false) const {
+  garment::Certificate try_frame(Chain& chain, int t, bool is_anew = false) {
     const Wearer next{shape_, motion_.frames[static_cast<size_t>(t)]};
     if (t == 0 || is_anew) ease_in(chain, next);
     const NewtonResult solved = chain.advance(next, config_.solver);
     garment::Certificate certificate = chain.certify(solved);
     certificate.iterations = solved.iterations;
-    if (solved.was_stopped) {
+    if (was_stopped_) {
       certificate.is_accepted = false;
       certificate.reason = garment::kOutOfTime;
     }
@@ -373,7 +378,22 @@ class Walk {
   std::unique_ptr<Chain> chain_;
   bool is_sound_ = true;
   double start_ = 0;  // of the frame, processor seconds
+  bool was_stopped_ = false;
 };
+
+// It may be from a file.
+void check_state(const garment::ClipState& state, const garment::Garment& garment,
+                 const body::BodyModel& model, int frames) {
+  const bool is_fitting = state.frame >= 1 && state.frame <= frames &&
+                          state.positions.rows() == garment.topology.vertex_count &&
+                          state.anchor_faces.size() == state.positions.rows() &&
+                          state.anchor_barycentrics.rows() == state.positions.rows() &&
+                          state.anchor_faces.minCoeff() >= -1 &&
+                          state.anchor_faces.maxCoeff() < model.faces.rows();
+  if (!is_fitting)
+    throw InputError("the state of frame " + std::to_string(state.frame) +
+                     " does not fit garment, body and motion");
+}
 
 }  // namespace
 
@@ -389,6 +409,8 @@ bool simulate_parts(const garment::Garment& garment, const body::BodyModel& mode
   part.frame_rate_hz = motion.frame_rate_hz;
   part.shape = shape;
   part.first_frame = from ? from->frame : 0;
+  part.from_sha256 = from ? garment::state_hash(*from) : "";
+  if (from) check_state(*from, garment, model, frames);
   Walk walk(garment, model, shape, motion, fabric, config, supervision);
   walk.start(from);
   for (int t = part.first_frame; t < frames; ++t) {
@@ -402,6 +424,7 @@ bool simulate_parts(const garment::Garment& garment, const body::BodyModel& mode
     part.states = {walk.chain().state(t + 1, walk.is_sound())};
     if (supervision.on_part) supervision.on_part(part);
     part.first_frame = t + 1;
+    part.from_sha256 = garment::state_hash(part.states.front());
     part.poses.clear();
     part.positions.clear();
     part.certificates.clear();
@@ -420,6 +443,7 @@ garment::Clip simulate(const garment::Garment& garment, const body::BodyModel& m
     if (supervision.on_part) supervision.on_part(part);
     garment::Clip joined = part;
     joined.first_frame = 0;
+    joined.from_sha256.clear();
     joined.poses.insert(joined.poses.begin(), clip.poses.begin(), clip.poses.end());
     joined.positions.insert(joined.positions.begin(), clip.positions.begin(), clip.positions.end());
     joined.certificates.insert(joined.certificates.begin(), clip.certificates.begin(),
@@ -434,7 +458,8 @@ garment::Clip simulate(const garment::Garment& garment, const body::BodyModel& m
 garment::Garment settle_garment(const garment::Design& design,
                                 const garment::GarmentTopology& topology,
                                 const body::BodyModel& model, const garment::Fabric& fabric,
-                                const SimulationConfig& config) {
+                                const SimulationConfig& config,
+                                const std::function<bool()>& should_stop) {
   garment::Garment garment;
   garment.design = design;
   garment.topology = topology;
@@ -442,10 +467,11 @@ garment::Garment settle_garment(const garment::Design& design,
   const Eigen::VectorXd mean = Eigen::VectorXd::Zero(model.shape_directions.size());
   const body::ShapedBody shaped = body::shape_body(model, mean);
   const Points3 start = garment::place_around_body(topology, garment.panels, model, shaped);
-  Chain chain(topology, garment.panels, model, fabric, config, {}, {mean, body::Pose{}}, start);
+  Chain chain(topology, garment.panels, model, fabric, config, should_stop, {mean, body::Pose{}},
+              start);
   constexpr int kTries = 4;  // sewing starts far from rest
   garment::Certificate certificate;
-  for (int i = 0; i < kTries && !certificate.is_accepted; ++i)
+  for (int i = 0; i < kTries && !certificate.is_accepted && !(should_stop && should_stop()); ++i)
     certificate = chain.certify(chain.settle(config.solver));
   if (!certificate.is_accepted)
     throw InputError("design '" + design.name + "' does not settle on the mean body (" +

@@ -27,11 +27,12 @@ struct SimulationConfig {      // section `simulation`
 void validate(const SimulationConfig& config);
 
 // Sews a design around the mean body in the T-pose and lets it settle: the template of this design.
-// InputError where it does not.
+// InputError where it does not, or was stopped.
 garment::Garment settle_garment(const garment::Design& design,
                                 const garment::GarmentTopology& topology,
                                 const body::BodyModel& model, const garment::Fabric& fabric,
-                                const SimulationConfig& config);
+                                const SimulationConfig& config,
+                                const std::function<bool()>& should_stop = {});
 
 // How a simulation is looked after from outside. Empty functions are not called.
 struct Supervision {

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <mutex>
 #include <new>
-#include <numeric>
 #include <stdexcept>
 #include <vector>
 
@@ -68,6 +67,11 @@ struct Cholesky::Impl {
     cholmod_finish(&common);
   }
 
+  // After each call that allocates.
+  void require_memory() const {
+    if (common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
+  }
+
   // Where entry (3 block[k] + r, 3 j + c) of the lower triangle lies, k being one of vertex j's
   // blocks: a column lists its own block from the diagonal down, then the others whole.
   int entry(int j, int c, int k, int r) const {
@@ -88,6 +92,7 @@ struct Cholesky::Impl {
     cholmod_free_sparse(&matrix, &common);
     matrix = cholmod_allocate_sparse(unknowns, unknowns, 9 * block.size() - 3 * vertices, 1, 1, -1,
                                      CHOLMOD_REAL, &common);
+    require_memory();
     int *start = static_cast<int*>(matrix->p), *row = static_cast<int*>(matrix->i), count = 0;
     for (int j = 0; j < vertices; ++j)
       for (int c = 0; c < 3; ++c) {
@@ -121,6 +126,7 @@ struct Cholesky::Impl {
     const int vertices = pattern.rows();
     cholmod_sparse* graph = cholmod_allocate_sparse(vertices, vertices, pattern.column.size(), 1, 1,
                                                     -1, CHOLMOD_PATTERN, &common);
+    require_memory();
     int* start = static_cast<int*>(graph->p);
     int* row = static_cast<int*>(graph->i);
     int count = 0;
@@ -135,9 +141,10 @@ struct Cholesky::Impl {
     // share: two orders found at once would be others each time, and with them the bits.
     static std::mutex one_at_a_time;
     const std::lock_guard<std::mutex> lock(one_at_a_time);
-    if (!cholmod_metis(graph, nullptr, 0, 1, permutation.data(), &common))
-      std::iota(permutation.begin(), permutation.end(), 0);
+    const bool is_ordered = cholmod_metis(graph, nullptr, 0, 1, permutation.data(), &common);
     cholmod_free_sparse(&graph, &common);
+    require_memory();
+    if (!is_ordered) throw std::runtime_error("CHOLMOD could not order the pattern");
     return permutation;
   }
 
@@ -150,6 +157,7 @@ struct Cholesky::Impl {
     cholmod_free_factor(&factor, &common);
     factor = cholmod_analyze_p(matrix, expanded.data(), nullptr, 0, &common);
     rough.clear();
+    require_memory();
     if (!factor) throw std::runtime_error("CHOLMOD could not analyse the pattern");
   }
 };
@@ -173,7 +181,7 @@ bool Cholesky::factor(const BlockMatrix& matrix, const Eigen::VectorXd& shift) {
     impl_->fill_values(matrix, shift);
   }
   const bool is_done = cholmod_factorize(impl_->matrix, impl_->factor, &impl_->common);
-  if (impl_->common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
+  impl_->require_memory();
   if (!is_done || impl_->common.status != CHOLMOD_OK) return false;
   const double* exact = static_cast<const double*>(impl_->factor->x);
   impl_->rough.resize(impl_->factor->xsize);
@@ -236,6 +244,7 @@ Eigen::VectorXd Cholesky::solve(const Eigen::VectorXd& right_side) const {
   b.x = const_cast<double*>(right_side.data());
   b.xtype = CHOLMOD_REAL;
   cholmod_dense* x = cholmod_solve(CHOLMOD_A, impl_->factor, &b, &impl_->common);
+  impl_->require_memory();
   if (!x) throw std::runtime_error("CHOLMOD could not solve");
   Eigen::VectorXd solution =
       Eigen::Map<Eigen::VectorXd>(static_cast<double*>(x->x), right_side.size());

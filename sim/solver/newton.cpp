@@ -121,7 +121,7 @@ void Minimiser::renew_factor(Patch& all) {
   double caution = 1;
   while (!factor(all, caution * shift_)) {  // by rounding, where barriers are very stiff
     caution *= 30;
-    if (caution > kMostCaution) throw std::runtime_error("the forces on the cloth are not finite");
+    if (caution > kMostCaution) throw SolverError("the forces on the cloth are not finite");
   }
   evaluate(all, Order::kHessian);
 }

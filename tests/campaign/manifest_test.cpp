@@ -172,6 +172,12 @@ TEST(Manifest, KeysTellListsApart) {
   EXPECT_EQ(different.size(), 16u);
 }
 
+TEST(Manifest, RefusesAShapeGivenTwice) {
+  CampaignFiles files;
+  files.campaign.shapes.push_back(files.campaign.shapes[1]);
+  EXPECT_INPUT_ERROR(plan(files.campaign), "shapes", "twice");
+}
+
 TEST(Manifest, RefusesNamesGivenTwiceAndMissingFiles) {
   const CampaignFiles files;
   Campaign campaign = files.campaign;
@@ -243,6 +249,8 @@ TEST(Manifest, RefusesFilesThatAreNone) {
   const std::string good = read_bytes(path);
   write_bytes(path, good.substr(0, good.size() - 30));
   EXPECT_INPUT_ERROR(read_manifest(folder), "manifest.jsonl:9");
+  write_bytes(path, good.substr(0, good.rfind('\n', good.size() - 2) + 1));  // at the end of a line
+  EXPECT_INPUT_ERROR(read_manifest(folder), "7 of 8 chains");
   // A key is part of paths.
   write_bytes(
       path, good.substr(0, good.find('\n') + 1) +
