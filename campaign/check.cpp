@@ -14,8 +14,6 @@ namespace {
 constexpr const char* kMissing = "missing";
 constexpr const char* kLeftOver = "left over";
 
-}  // namespace
-
 // A whole file under a name that is not its own is as bad as a damaged one.
 std::string damage_of_clip(const std::string& path, const std::string& key) {
   const std::string damage = Hdf5File::damage_of(path);
@@ -26,6 +24,8 @@ std::string damage_of_clip(const std::string& path, const std::string& key) {
     return "no clip";
   }
 }
+
+}  // namespace
 
 CheckReport check(const std::string& folder) {
   CheckReport report;

@@ -11,9 +11,6 @@ struct Damage {
   std::string what;  // missing, truncated, altered, without a checksum, of another chain, left over
 };
 
-// Of a file that should be the clip of this key; empty where it is.
-std::string damage_of_clip(const std::string& path, const std::string& key);
-
 struct CheckReport {
   int files = 0;  // that are whole
   std::vector<Damage> damages;

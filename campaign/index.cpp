@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "campaign/check.h"
 #include "campaign/folder.h"
 #include "campaign/manifest.h"
 #include "core/error.h"
@@ -59,7 +58,7 @@ Contents read_contents(const std::string& folder, const IndexConfig& config) {
   std::string damaged, hashes;
   for (const ManifestRow& row : contents.manifest.chains) {
     const std::string path = shard_path(folder, row.key);
-    const std::string damage = damage_of_clip(path, row.key);
+    const std::string damage = Hdf5File::damage_of(path);
     if (damage == "missing") {
       lacks.add(has_failed(folder, row.key, row.garment_key) ? "failed" : "missing", row.key);
       continue;
@@ -69,6 +68,10 @@ Contents read_contents(const std::string& folder, const IndexConfig& config) {
       continue;
     }
     const Hdf5File file = Hdf5File::open(path);
+    if (file.text_attribute("/", "key") != row.key) {
+      damaged += (damaged.empty() ? "" : ", ") + row.key + " of another chain";
+      continue;
+    }
     const garment::Clip clip = garment::read_clip_head(path);
     contents.rows.push_back(&row);
     contents.motions.insert(row.motion);
