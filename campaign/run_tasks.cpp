@@ -68,26 +68,35 @@ struct Parts {
   std::optional<garment::ClipState> end;
 };
 
-// Where another process takes a part away meanwhile, the list ends before it.
+// The state at the end of the part of this chain that begins at first_frame from a state of this
+// hash; none where there is no such part, or another process takes it away meanwhile.
+std::optional<garment::ClipState> end_of_part(const std::string& path, const std::string& key,
+                                              int first_frame, const std::string& from,
+                                              int frames) {
+  try {
+    if (!Hdf5File::damage_of(path).empty() || garment::clip_key(path) != key) return {};
+    garment::Clip part = garment::read_clip(path);
+    const int end = first_frame + static_cast<int>(part.poses.size());
+    if (part.first_frame != first_frame || part.from_sha256 != from || end > frames ||
+        part.states.size() != 1 || part.states[0].frame != end)
+      return {};
+    return std::move(part.states[0]);
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
 Parts parts_of(const std::string& folder, const std::string& key, int frames) {
   Parts parts;
-  std::string from;  // hash of the state that the next part has to start from
+  std::string from;
   while (parts.frames < frames) {
     const std::string path = part_path(folder, key, parts.frames);
-    try {
-      if (!Hdf5File::damage_of(path).empty() || garment::clip_key(path) != key) break;
-      garment::Clip part = garment::read_clip(path);
-      const int end = parts.frames + static_cast<int>(part.poses.size());
-      if (part.first_frame != parts.frames || part.from_sha256 != from || end > frames ||
-          part.states.size() != 1 || part.states[0].frame != end)
-        break;
-      parts.paths.push_back(path);
-      parts.frames = end;
-      parts.end = std::move(part.states[0]);
-      from = garment::state_hash(*parts.end);
-    } catch (const InputError&) {
-      break;
-    }
+    std::optional<garment::ClipState> end = end_of_part(path, key, parts.frames, from, frames);
+    if (!end) break;
+    parts.paths.push_back(path);
+    parts.frames = end->frame;
+    from = garment::state_hash(*end);
+    parts.end = std::move(end);
   }
   return parts;
 }
@@ -130,6 +139,7 @@ bool add_parts(Run& run, const Chain& chain, const garment::Garment& garment, co
   const RunOptions& options = run.options;
   const Campaign& campaign = run.campaign;
   const std::string shard = shard_path(options.folder, chain.key);
+  const int frames = static_cast<int>(run.motions[chain.motion].frames.size());
   const garment::Fabric fabric = fabric_of(campaign, chain);
   Provenance provenance = provenance_of(campaign, "simulate",
                                         garment::to_text(fabric) + campaign.settings +
@@ -153,13 +163,10 @@ bool add_parts(Run& run, const Chain& chain, const garment::Garment& garment, co
     // A part that another process has put there since, from the same state, stays: where it ends in
     // another (its clock cut a frame short, say), the chain goes on from there.
     const std::string path = part_path(options.folder, chain.key, part.first_frame);
-    if (Hdf5File::damage_of(path).empty()) {
-      const garment::Clip theirs = garment::read_clip(path);
-      if (theirs.from_sha256 == part.from_sha256 && theirs.states.size() == 1) {
-        is_overtaken =
-            garment::state_hash(theirs.states[0]) != garment::state_hash(part.states.front());
-        return;
-      }
+    if (const auto theirs =
+            end_of_part(path, chain.key, part.first_frame, part.from_sha256, frames)) {
+      is_overtaken = garment::state_hash(*theirs) != garment::state_hash(part.states.front());
+      return;
     }
     require_space(options.folder,
                   2 * shard_bytes(static_cast<int>(part.poses.size()),

@@ -209,6 +209,17 @@ TEST_F(CampaignRun, VerifyTellsWhichFrameDiffers) {
   EXPECT_THROW(run_frame_again(*campaign_, manifest_, options(folder), 2, kFrames), InputError);
 }
 
+// A whole file of another chain in the place of a part is no part; it gives way.
+TEST_F(CampaignRun, PutsItsPartInThePlaceOfAForeignOne) {
+  const std::string folder = copy("foreign");
+  take_apart(folder, manifest_.chains[1], 1);
+  std::filesystem::remove(shard_path(folder, manifest_.chains[0].key));
+  std::filesystem::create_directories(parts_path(folder, manifest_.chains[0].key));
+  std::filesystem::rename(part_path(folder, manifest_.chains[1].key, 0),
+                          part_path(folder, manifest_.chains[0].key, 0));
+  EXPECT_EQ(run(options(folder)), hash_);
+}
+
 // Renaming a motion, as any change of an input, asks for other chains; the rest stays.
 TEST_F(CampaignRun, ChangesAskForTheirOwnChainsOnly) {
   const std::string folder = copy("changed");
