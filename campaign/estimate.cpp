@@ -7,6 +7,7 @@
 #include <set>
 
 #include "campaign/folder.h"
+#include "campaign/frame_counts.h"
 #include "campaign/run_tasks.h"
 #include "core/error.h"
 #include "garment/clip.h"
@@ -26,24 +27,19 @@ constexpr int kSampled = 50;      // shards looked at
 
 // All frames of what is there, starts among them.
 bool pace_of_shards(const std::string& folder, const std::set<std::string>& keys, Pace& pace) {
-  int64_t frames = 0;
+  FrameCounts counts;
   int shards = 0;
-  double seconds = 0;
   for (const std::string& name : names_in(folder + "/shards", ".h5")) {
     if (!keys.count(name)) continue;
     try {
-      for (const garment::Certificate& c :
-           garment::read_clip_head(shard_path(folder, name)).certificates) {
-        ++frames;
-        seconds += c.seconds;
-      }
+      counts.add(garment::read_clip_head(shard_path(folder, name)).certificates);
     } catch (const InputError&) {  // simulate makes it again
       continue;
     }
     if (++shards == kSampled) break;
   }
-  if (frames == 0) return false;
-  pace.s_a_frame = seconds / static_cast<double>(frames);
+  if (counts.frames == 0) return false;
+  pace.s_a_frame = counts.drape_seconds / static_cast<double>(counts.frames);
   pace.s_a_start = 0;
   pace.source = std::to_string(shards) + " of its own shards";
   return true;

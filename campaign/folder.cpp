@@ -89,7 +89,8 @@ std::string size_text(double bytes) {
   return text;
 }
 
-void require_space(const std::string& folder, double bytes, double reserve) {
+void require_space(const std::string& folder, double bytes, int min_free_mb) {
+  const double reserve = 1e6 * min_free_mb;
   std::error_code error;
   const double available = static_cast<double>(fs::space(folder, error).available);
   if (error || bytes + reserve <= available) return;

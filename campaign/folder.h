@@ -32,7 +32,7 @@ std::vector<std::string> leftovers(const std::string& folder);
 
 std::string size_text(double bytes);  // "1.25 GB", "300 MB"
 
-// Throws ResourceError where writing `bytes` to the folder would leave less than `reserve`.
-void require_space(const std::string& folder, double bytes, double reserve);
+// Throws ResourceError where writing `bytes` to the folder would leave less than so much free.
+void require_space(const std::string& folder, double bytes, int min_free_mb);
 
 }  // namespace pleat::campaign

@@ -22,7 +22,7 @@ struct Contents {
   ManifestFile manifest;
   std::vector<const ManifestRow*> rows;  // whose shards there are
   std::set<std::string> motions, designs, machines, commits;
-  double seconds = 0, frame_rate_hz = 0;
+  double frame_rate_hz = 0;
   int64_t vertices = 0;
   IndexReport report;
 };
@@ -82,17 +82,10 @@ Contents read_contents(const std::string& folder, const IndexConfig& config) {
     contents.vertices = file.dims("positions")[1];
     IndexReport& report = contents.report;
     ++report.chains;
-    for (size_t t = 0; t < clip.certificates.size(); ++t) {
-      const garment::Certificate& c = clip.certificates[t];
-      ++report.frames;
-      contents.seconds += c.seconds;
-      if (c.is_accepted) {
-        ++report.accepted;
-        continue;
-      }
-      ++report.rejected[c.reason];
-      lacks.add(c.reason, row.key + ":" + std::to_string(t));
-    }
+    report.add(clip.certificates);
+    for (size_t t = 0; t < clip.certificates.size(); ++t)
+      if (!clip.certificates[t].is_accepted)
+        lacks.add(clip.certificates[t].reason, row.key + ":" + std::to_string(t));
     hashes += row.key + " " + garment::content_hash(row.key, clip.frame_sha256) + "\n";
   }
   for (const std::string& key : contents.manifest.garment_keys) {
@@ -125,7 +118,7 @@ std::string data_card(const Contents& contents) {
   };
   char share[32], seconds[32], rate[32];
   std::snprintf(share, sizeof share, "%.2f %%", 100.0 * report.accepted / report.frames);
-  std::snprintf(seconds, sizeof seconds, "%.2f", contents.seconds / report.frames);
+  std::snprintf(seconds, sizeof seconds, "%.2f", report.drape_seconds / report.frames);
   std::snprintf(rate, sizeof rate, "%g", contents.frame_rate_hz);
   std::string text =
       "# Static drapes of garments\n\n"

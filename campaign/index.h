@@ -6,10 +6,11 @@
 //   croissant.json    what files there are, in Croissant's JSON-LD
 #pragma once
 
-#include <map>
 #include <set>
 #include <string>
 #include <vector>
+
+#include "campaign/frame_counts.h"
 
 namespace pleat::campaign {
 
@@ -19,10 +20,8 @@ struct IndexConfig {
   std::set<std::string> accept;
 };
 
-struct IndexReport {
+struct IndexReport : FrameCounts {
   int chains = 0;
-  int64_t frames = 0, accepted = 0;
-  std::map<std::string, int64_t> rejected;
   std::string
       content_hash;  // of all drapes: the same wherever and in whichever order they were made
 };

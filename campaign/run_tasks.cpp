@@ -21,8 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMegabyte = 1e6;
-
 Provenance provenance_of(const Campaign& campaign, const std::string& stage,
                          const std::string& config, uint64_t seed) {
   Provenance provenance;
@@ -31,17 +29,6 @@ Provenance provenance_of(const Campaign& campaign, const std::string& stage,
   provenance.seed = seed;
   provenance.inputs["body"] = sha256_of_file(campaign.body_file);
   return provenance;
-}
-
-void count_frames(const garment::Clip& clip, RunReport& report) {
-  for (const garment::Certificate& certificate : clip.certificates) {
-    ++report.frames;
-    report.drape_seconds += certificate.seconds;
-    if (certificate.is_accepted)
-      ++report.accepted;
-    else
-      ++report.rejected[certificate.reason];
-  }
 }
 
 // Whether the file is there and whole. One that is damaged is set aside.
@@ -116,8 +103,8 @@ struct Run {
   body::BodyModel model;
   std::vector<body::Motion> motions;  // those that are needed
   Crew crew;
-  RunReport report = {};  // live: rejected frames of this run, chains made and failed
-  RunReport total = {};   // of all that is done
+  RunReport report;
+  std::map<std::string, int64_t> rejected = {};  // frames by reason, for the progress line
   std::mutex mutex = {};
 };
 
@@ -155,8 +142,8 @@ bool add_parts(Run& run, const Chain& chain, const garment::Garment& garment, co
   supervision.on_frame = [&](const garment::Certificate& certificate) {
     is_overtaken = fs::exists(shard);
     const std::lock_guard<std::mutex> lock(run.mutex);
-    if (!certificate.is_accepted) ++run.report.rejected[certificate.reason];
-    progress.advance(1, remark_of(run.report.rejected));
+    if (!certificate.is_accepted) ++run.rejected[certificate.reason];
+    progress.advance(1, remark_of(run.rejected));
   };
   supervision.on_part = [&](const garment::Clip& part) {
     if (is_overtaken) return;
@@ -171,7 +158,7 @@ bool add_parts(Run& run, const Chain& chain, const garment::Garment& garment, co
     require_space(options.folder,
                   2 * shard_bytes(static_cast<int>(part.poses.size()),
                                   static_cast<int>(part.positions.front().rows()), 1),
-                  options.limits.min_free_disk_mb * kMegabyte);
+                  options.limits.min_free_disk_mb);
     fs::create_directories(parts_path(options.folder, chain.key));
     garment::write_clip(path, part, chain.key, provenance);
   };
@@ -206,7 +193,7 @@ bool finish_chain(Run& run, const Chain& chain, Progress& progress) {
     require_space(options.folder,
                   shard_bytes(frames, static_cast<int>(garment.t_pose.rows()),
                               run.campaign.simulation.checkpoint_frames),
-                  options.limits.min_free_disk_mb * kMegabyte);
+                  options.limits.min_free_disk_mb);
     garment::join_clips(parts.paths, shard);
   }
   remove_parts(options.folder, chain.key);
@@ -234,7 +221,7 @@ void run_chain(Run& run, const Chain& chain, Progress& progress) {
   }
   const garment::Clip clip = garment::read_clip_head(shard);
   const std::lock_guard<std::mutex> lock(run.mutex);
-  count_frames(clip, run.total);
+  run.report.add(clip.certificates);
   ++run.report.made;
 }
 
@@ -322,7 +309,7 @@ RunReport run_chains(const Campaign& campaign, const Manifest& manifest,
   for (const Chain& chain : rows_of(manifest, options.slice)) {
     const std::string path = shard_path(options.folder, chain.key);
     if (is_done(options.folder, path)) {
-      count_frames(garment::read_clip_head(path), report);
+      report.add(garment::read_clip_head(path).certificates);
       ++report.kept;
     } else if (has_failed(options.folder, chain.key, manifest.garment_keys[chain.design])) {
       ++report.failed;
@@ -337,7 +324,8 @@ RunReport run_chains(const Campaign& campaign, const Manifest& manifest,
           options,
           body::read_body(campaign.body_file),
           std::vector<body::Motion>(campaign.motions.size()),
-          Crew(options.threads, options.limits, campaign.garment_vertices)};
+          Crew(options.threads, options.limits, campaign.garment_vertices),
+          report};
   int64_t frames = 0;
   double bytes = 0;
   for (const Chain& chain : missing) {
@@ -349,18 +337,15 @@ RunReport run_chains(const Campaign& campaign, const Manifest& manifest,
     frames += length - parts_of(options.folder, chain.key, length).frames;
     bytes += shard_bytes(length, campaign.garment_vertices, campaign.simulation.checkpoint_frames);
   }
-  require_space(options.folder, bytes, options.limits.min_free_disk_mb * kMegabyte);
-  run.report = run.total = report;
+  require_space(options.folder, bytes, options.limits.min_free_disk_mb);
+  run.rejected = report.rejected;
   Progress progress("simulate", frames, "frames");
   // Tasks that share a folder begin at different rows.
   const int count = static_cast<int>(missing.size());
   run.crew.run(
       count, [&](int i) { run_chain(run, missing[(i + options.slice.index) % count], progress); });
-  report = run.total;
-  report.made = run.report.made;
-  report.failed = run.report.failed;
-  report.is_interrupted = is_interrupted();
-  return report;
+  run.report.is_interrupted = is_interrupted();
+  return run.report;
 }
 
 }  // namespace pleat::campaign

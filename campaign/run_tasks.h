@@ -3,11 +3,12 @@
 // folder, on the same rows too: what two of them make is the same.
 #pragma once
 
-#include <map>
 #include <string>
+#include <vector>
 
 #include "campaign/crew.h"
 #include "campaign/folder.h"
+#include "campaign/frame_counts.h"
 #include "campaign/manifest.h"
 #include "campaign/task_slice.h"
 
@@ -21,13 +22,10 @@ struct RunOptions {
   Limits limits;
 };
 
-struct RunReport {
-  int made = 0, kept = 0;                   // garments or chains: made now, found done
-  int failed = 0;                           // chains that came to nothing, now or before
-  int64_t frames = 0, accepted = 0;         // of all chains, made now or before
-  std::map<std::string, int64_t> rejected;  // frames by reason
-  double drape_seconds = 0;     // processor time of all frames' drapes, easing in included
-  bool is_interrupted = false;  // by the user: run again to go on
+struct RunReport : FrameCounts {  // of all chains, made now or before
+  int made = 0, kept = 0;         // garments or chains: made now, found done
+  int failed = 0;                 // of them came to nothing, now or before
+  bool is_interrupted = false;    // by the user: run again to go on
 };
 
 // Reads the body, every motion and every shape as the runs below will, so that a bad one is known

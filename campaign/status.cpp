@@ -59,27 +59,17 @@ Status status_of(const std::string& folder) {
   for (const ManifestRow& row : manifest.chains) {
     if (shards.count(row.key)) {
       ++status.done;
-      for (const garment::Certificate& c :
-           certificates_of(shard_path(folder, row.key), status.unreadable)) {
-        ++status.frames;
-        status.drape_seconds += c.seconds;
-        status.retried += c.attempts > 1;
-        if (c.is_accepted)
-          ++status.accepted;
-        else
-          ++status.rejected[c.reason];
-      }
+      status.add(certificates_of(shard_path(folder, row.key), status.unreadable));
     } else if (failures.count(row.key) ||
                (failures.count(row.garment_key) && has_failed(folder, row.key, row.garment_key))) {
       status.failures.push_back(read_failure(folder, row));
     } else if (parts.count(row.key)) {
       ++status.under_way;
+      FrameCounts counts;
       for (const std::string& name : names_in(parts_path(folder, row.key), ".h5"))
-        for (const garment::Certificate& c :
-             certificates_of(parts_path(folder, row.key) + "/" + name + ".h5", gone)) {
-          ++status.frames_under_way;
-          status.drape_seconds += c.seconds;
-        }
+        counts.add(certificates_of(parts_path(folder, row.key) + "/" + name + ".h5", gone));
+      status.frames_under_way += counts.frames;
+      status.drape_seconds += counts.drape_seconds;
     }
   }
   return status;

@@ -1,9 +1,11 @@
 // How far a campaign is, from its folder alone.
 #pragma once
 
-#include <map>
+#include <cstdint>
 #include <string>
 #include <vector>
+
+#include "campaign/frame_counts.h"
 
 namespace pleat::campaign {
 
@@ -11,15 +13,12 @@ struct Failure {  // a chain that came to nothing
   std::string key, motion, design, what;
 };
 
-struct Status {
+struct Status : FrameCounts {  // of chains that are done; drape_seconds of the others too
   std::string folder;
   int chains = 0, done = 0, under_way = 0;
   std::vector<Failure> failures;
-  int64_t frames = 0, accepted = 0, retried = 0;  // of chains that are done
-  std::vector<std::string> unreadable;            // shards
-  int64_t frames_under_way = 0;                   // in parts of the others
-  std::map<std::string, int64_t> rejected;        // frames by reason
-  double drape_seconds = 0;                       // processor time of the frames of both
+  std::vector<std::string> unreadable;  // shards
+  int64_t frames_under_way = 0;         // in parts of the others
 };
 
 // InputError where the folder holds no manifest.

@@ -54,6 +54,13 @@ garment::Clip make_again(const Campaign& campaign, const body::BodyModel& model,
   return again;
 }
 
+// Whether frame t of the piece has the same bits, both by what its shard says that it holds and by
+// what it holds.
+bool is_same(const garment::Clip& again, const garment::Clip& shard, int t) {
+  const std::string hash = garment::frame_hash(again, t);
+  return hash == shard.frame_sha256[t] && hash == garment::frame_hash(shard, t);
+}
+
 std::vector<Piece> pieces_of_chain(const std::string& path, int chain) {
   const Hdf5File file = Hdf5File::open(path);
   const int frames = static_cast<int>(file.dims("positions").at(0));
@@ -122,14 +129,9 @@ VerifyReport verify(const Campaign& campaign, const Manifest& manifest, const Ru
     if (where != machine()) machines.insert(where);
     bool is_timed = false;
     for (int t = 0; t < piece.frames; ++t) {
-      const size_t frame = static_cast<size_t>(piece.first_frame + t);
-      const size_t i = static_cast<size_t>(t);
-      is_timed |= made_of.shard.certificates[i].reason == garment::kOutOfTime;
-      const std::string hash = garment::frame_hash(again, t);
-      // Both what the shard says that it holds, and what it holds.
-      if (hash == made_of.shard.frame_sha256[i] && hash == garment::frame_hash(made_of.shard, t))
-        continue;
-      report.differences.push_back({piece, static_cast<int>(frame), is_timed});
+      is_timed |= made_of.shard.certificates[t].reason == garment::kOutOfTime;
+      if (is_same(again, made_of.shard, t)) continue;
+      report.differences.push_back({piece, piece.first_frame + t, is_timed});
       break;
     }
   });
@@ -155,10 +157,8 @@ FrameAgain run_frame_again(const Campaign& campaign, const Manifest& manifest,
       const garment::Clip again =
           make_again(campaign, model, made_of, manifest.chains[chain], t + 1, supervision);
       if (again.poses.empty()) return {};
-      const std::string hash = garment::frame_hash(again, t);
-      return {
-          made_of.shard.certificates[t], again.certificates.back(),
-          hash == made_of.shard.frame_sha256[t] && hash == garment::frame_hash(made_of.shard, t)};
+      return {made_of.shard.certificates[t], again.certificates.back(),
+              is_same(again, made_of.shard, t)};
     }
   throw InputError("chain " + manifest.chains[chain].key + " has no frame " +
                    std::to_string(frame) + ", or is not simulated yet");
