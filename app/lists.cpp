@@ -2,22 +2,16 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <system_error>
 
 #include "core/error.h"
+#include "core/number_text.h"
 #include "core/random.h"
 
 namespace pleat::app {
 namespace {
-
-// The shortest text that reads back as the same number: different for different numbers.
-std::string text_of(double number) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, number).ptr};
-}
 
 [[noreturn]] void refuse(const std::string& key, const std::string& value,
                          const std::string& expected) {
@@ -39,15 +33,16 @@ void check_axis(const std::string& key, std::vector<double> values, double low, 
   if (values.empty()) throw InputError(key + ": the list is empty; give at least one value");
   for (double value : values)
     if (!(value >= low && value <= high))
-      refuse(key, text_of(value), text_of(low) + " .. " + text_of(high));
+      refuse(key, shortest_text(value), shortest_text(low) + " .. " + shortest_text(high));
   std::sort(values.begin(), values.end());
   const auto twice = std::adjacent_find(values.begin(), values.end());
-  if (twice != values.end()) throw InputError(key + ": " + text_of(*twice) + " is given twice");
+  if (twice != values.end())
+    throw InputError(key + ": " + shortest_text(*twice) + " is given twice");
 }
 
 void check_range(const std::string& key, const garment::Range& range) {
   if (!(range.low >= 0 && range.low <= range.high && range.high <= 1))
-    refuse(key, "[" + text_of(range.low) + ", " + text_of(range.high) + "]",
+    refuse(key, "[" + shortest_text(range.low) + ", " + shortest_text(range.high) + "]",
            "[low, high] with 0 <= low <= high <= 1");
 }
 
@@ -144,8 +139,9 @@ std::vector<garment::Design> designs_of(const DesignGrid& grid) {
   const std::vector<std::vector<double>> axes = {grid.length, grid.sleeve, grid.cleavage};
   std::vector<garment::Design> designs;
   for (const std::vector<double>& p : combinations(axes, combination_count("designs.grid", axes)))
-    designs.push_back({"l" + text_of(p[0]) + "_s" + text_of(p[1]) + "_c" + text_of(p[2]), p[0],
-                       p[1], p[2], false});
+    designs.push_back(
+        {"l" + shortest_text(p[0]) + "_s" + shortest_text(p[1]) + "_c" + shortest_text(p[2]), p[0],
+         p[1], p[2], false});
   return designs;
 }
 
@@ -185,9 +181,10 @@ std::vector<std::vector<double>> shapes_of(const RandomShapes& random, uint64_t 
   check_count("shapes.random.betas", random.betas, kMostNumbers);
   check_numbers("shapes.random", random.count, random.betas);
   if (!(random.sigma > 0 && std::isfinite(random.sigma)))
-    refuse("shapes.random.sigma", text_of(random.sigma), "> 0");
+    refuse("shapes.random.sigma", shortest_text(random.sigma), "> 0");
   if (!(random.limit >= random.sigma / 10 && random.limit <= kMostBeta))  // one draw in 12 is kept
-    refuse("shapes.random.limit", text_of(random.limit), "sigma / 10 .. " + text_of(kMostBeta));
+    refuse("shapes.random.limit", shortest_text(random.limit),
+           "sigma / 10 .. " + shortest_text(kMostBeta));
   std::vector<std::vector<double>> shapes(random.count, std::vector<double>(random.betas));
   for (int k = 0; k < random.count; ++k) {
     RandomStream stream(seed, "shape/" + std::to_string(k));

