@@ -20,10 +20,6 @@
 #include "core/provenance.h"
 #include "encode/make_dataset.h"
 #include "evaluate/report.h"
-#ifdef PLEAT_LEARN
-#include "learn/sample.h"
-#include "learn/train.h"
-#endif
 
 namespace pleat::app {
 namespace {
@@ -47,8 +43,9 @@ std::string campaign_summary(const campaign::RunReport& report) {
 // One study being run: its folder, its keys, what is done.
 class Pipeline {
  public:
-  Pipeline(const StudyConfig& study, const campaign::TaskSlice& slice)
+  Pipeline(const StudyConfig& study, const campaign::TaskSlice& slice, const LearnStages& learning)
       : study_(study),
+        learning_(learning),
         campaign_(campaign_of(study)),
         manifest_(campaign::plan(campaign_)),
         options_(run_options_of(study)),
@@ -152,20 +149,16 @@ class Pipeline {
     });
   }
 
-#ifdef PLEAT_LEARN
   bool train() {
     return once("train", train_key_, models(), [&]() -> std::optional<std::string> {
       std::filesystem::create_directories(models());
-      const auto design =
-          learn::train_design(study_.train_design, dataset(), models(), provenance("train_design"));
-      if (design.status == learn::TrainStatus::kInterrupted) return std::nullopt;
-      const auto model =
-          learn::train_diffusion(study_.train, dataset(), models(), provenance("train"));
-      if (model.status == learn::TrainStatus::kInterrupted) return std::nullopt;
-      return std::to_string(model.step) + " steps of " + std::to_string(model.parameters) +
+      const std::optional<TrainSummary> trained = learning_.train(
+          study_, dataset(), models(), provenance("train_design"), provenance("train"));
+      if (!trained) return std::nullopt;
+      return std::to_string(trained->steps) + " steps of " + std::to_string(trained->parameters) +
              " weights, validation loss " +
-             format("%.4f; G_design %.2f mm on its training designs", model.validation_loss,
-                    design.train_error_mm);
+             format("%.4f; G_design %.2f mm on its training designs", trained->validation_loss,
+                    trained->design_error_mm);
     });
   }
 
@@ -174,26 +167,19 @@ class Pipeline {
       std::vector<int64_t> rows;
       for (int split = 0; split < encode::kSplits; ++split) {
         const int count = split == encode::kTrain ? study_.rows.train : study_.rows.held_out;
-        for (int64_t row : learn::rows_of_split(dataset(), split, count)) rows.push_back(row);
+        for (int64_t row : learning_.rows_of_split(dataset(), split, count)) rows.push_back(row);
       }
       if (rows.empty())
         throw InputError(
             "sample_rows: no row is asked for; raise sample_rows.held_out or sample_rows.train");
       const bool has_finished =
-          learn::sample_textures(models() + "/diffusion.h5", dataset(), rows, study_.sample,
-                                 samples(), provenance("sample"));
+          learning_.sample_textures(models() + "/diffusion.h5", dataset(), rows, study_.sample,
+                                    samples(), provenance("sample"));
       if (!has_finished) return std::nullopt;
       return std::to_string(rows.size()) + " rows, " +
              std::to_string(study_.sample.samples_per_row) + " each";
     });
   }
-#else
-  bool train() {
-    throw InputError(
-        "this pleat was built without LibTorch (PLEAT_LEARN=OFF); it ends with `pleat encode`");
-  }
-  bool sample() { return train(); }
-#endif
 
   bool evaluate() {
     return once(
@@ -254,6 +240,7 @@ class Pipeline {
   }
 
   const StudyConfig& study_;
+  const LearnStages& learning_;
   campaign::Campaign campaign_;
   campaign::Manifest manifest_;
   campaign::RunOptions options_;
@@ -312,8 +299,13 @@ void write_plan(const StudyConfig& study, const campaign::Campaign& campaign,
   campaign::write_manifest(study.output, campaign, manifest);
 }
 
-bool run_stages(const StudyConfig& study, Stage last, const campaign::TaskSlice& slice) {
-  return Pipeline(study, slice).run(last);
+bool run_stages(const StudyConfig& study, Stage last, const campaign::TaskSlice& slice,
+                const LearnStages& learning) {
+  if (last >= Stage::kTrain && !learning.train)
+    throw InputError(
+        "this pleat was built without LibTorch (PLEAT_LEARN=OFF), or lies where pleat-learn does "
+        "not; it ends with `pleat encode`");
+  return Pipeline(study, slice, learning).run(last);
 }
 
 }  // namespace pleat::app

@@ -40,7 +40,8 @@ function(pleat_install_package)
   get_property(rooms GLOBAL PROPERTY PLEAT_ROOMS)
   foreach(room ${rooms})
     install(TARGETS pleat_${room} EXPORT pleatTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-    install(DIRECTORY ${CMAKE_SOURCE_DIR}/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pleat
+    string(REPLACE "_config" "" folder ${room})
+    install(DIRECTORY ${CMAKE_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pleat
             FILES_MATCHING PATTERN "*.h")
   endforeach()
   install(EXPORT pleatTargets NAMESPACE pleat:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/pleat)

@@ -25,7 +25,7 @@ TexelReads bilinear_reads(const Eigen::Ref<const Points2>& uv, int size,
   reads.texels.resize(uv.rows(), 4);
   reads.weights.resize(uv.rows(), 4);
   for (Eigen::Index i = 0; i < uv.rows(); ++i) {
-    if (!(uv.row(i).minCoeff() >= 0 && uv.row(i).maxCoeff() <= 1)) {
+    if (!((uv.row(i).array() >= 0).all() && (uv.row(i).array() <= 1).all())) {
       throw InputError("UV vertex " + std::to_string(i) + " lies outside of [0,1]^2");
     }
     const double x = std::clamp(uv(i, 0) * size - 0.5, 0.0, size - 1.0);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "core/mesh.h"
 #include "core/proximity.h"
 #include "garment/garment_weights.h"
+#include "garment/resample.h"
 #include "sim/opened_body.h"
 
 namespace pleat::sim {
@@ -56,6 +58,35 @@ double largest_turn(const body::Pose& a, const body::Pose& b) {
     largest = std::max(largest, from.angularDistance(to));
   }
   return largest;
+}
+
+// A design at one fineness.
+struct Cut {
+  garment::GarmentTopology topology;
+  Points2 panels;
+};
+
+// Coarser by half in length, and so on; nothing where that is too coarse to stand for the garment.
+std::optional<Cut> coarser(const garment::Design& design, int vertex_count) {
+  constexpr int kCoarsest = 600;
+  if (vertex_count < 4 * kCoarsest) return std::nullopt;
+  Cut cut{garment::make_topology(vertex_count / 4), {}};
+  cut.panels = garment::cut_panels(cut.topology, design);
+  return cut;
+}
+
+// For a tessellation that only has to show a finer one the way: it need not settle fully, and keeps
+// its layers so far apart that the finer one, laid on its surface, does not cross itself where it
+// cuts corners.
+SimulationConfig sketching(SimulationConfig config) {
+  config.solver.residual = std::max(config.solver.residual, 0.02);
+  config.solver.max_iterations = std::min(config.solver.max_iterations, 40);
+  config.solver.must_be_stable = false;
+  config.contact.distance_m *= 2;
+  config.contact.stiffness_N_per_m3 /= 2;
+  config.contact.layer_distance_m *= 4;
+  config.contact.barrier_distance_m *= 2;
+  return config;
 }
 
 // One garment on one body, moving. Keeps the trees and the state between drapes.
@@ -116,6 +147,12 @@ class Chain {
   garment::Certificate certify(const NewtonResult& solved) const {
     return sim::certify(positions(), topology_.faces, topology_.panel_faces, panels_, posed_,
                         collider_, solved, config_.accept);
+  }
+
+  // Whether nothing crosses anything.
+  bool is_free() const {
+    const garment::Certificate counts = certify({});
+    return counts.body_intersections == 0 && counts.self_intersections == 0;
   }
 
   const Wearer& wearer() const { return wearer_; }
@@ -258,8 +295,8 @@ void validate(const SimulationConfig& config) {
   if (!(config.ease_deg > 0)) throw InputError("simulation.ease_deg must be > 0");
   if (!(config.ease_residual > 0)) throw InputError("simulation.ease_residual must be > 0");
   if (config.ease_iterations < 1) throw InputError("simulation.ease_iterations must be >= 1");
-  if (config.retries < 0 || config.retries > 2)
-    throw InputError("simulation.retries must be 0, 1 or 2");
+  if (config.retries < 0 || config.retries > 3)
+    throw InputError("simulation.retries must be 0, 1, 2 or 3");
   if (config.checkpoint_frames < 1) throw InputError("simulation.checkpoint_frames must be >= 1");
   try {
     validate(config.solver);
@@ -296,28 +333,35 @@ class Walk {
 
   bool is_cancelled() const { return supervision_.should_stop && supervision_.should_stop(); }
 
-  // As the frame before left it; where there is none, in the T-pose on the mean body.
+  // As the frame before left it.
   void start(const garment::ClipState* from) {
-    chain_ = from ? taken_up(*from, config_) : dressed(config_);
+    chain_ = from ? taken_up(*from, config_) : nullptr;
     is_sound_ = !from || from->is_sound;
   }
 
   garment::Certificate drape_frame(int t) {
     start_ = processor_seconds();
     was_stopped_ = false;
-    const garment::ClipState before = chain_->state(t, is_sound_);
-    garment::Certificate certificate = try_frame(*chain_, t);
-    int retries = is_sound_ ? config_.retries : 0;
-    if (t == 0) retries = std::min(retries, 1);  // both ways are the same there
-    for (int k = 1; k <= retries && !certificate.is_accepted && !is_stopped(); ++k) {
-      const bool is_anew = k == 2;
-      std::unique_ptr<Chain> other =
-          is_anew ? dressed(patient(config_)) : taken_up(before, patient(config_));
-      garment::Certificate retried = try_frame(*other, t, is_anew);
-      if (!retried.is_accepted) continue;
-      certificate = retried;
-      certificate.attempts = k + 1;
-      chain_ = taken_up(other->state(t + 1, true), config_);
+    std::optional<garment::ClipState> before;
+    if (t > 0) before = chain_->state(t, is_sound_);
+    std::vector<Way> ways = {coarse() ? Way::kRefined : Way::kAnew, Way::kAnew};
+    if (t > 0) ways = {Way::kOn, Way::kPatient, Way::kRefined, Way::kAnew};
+    const int most = is_sound_ ? 1 + config_.retries : 1;
+    garment::Certificate certificate;
+    int tries = 0;
+    for (const Way way : ways) {
+      if (certificate.is_accepted || tries == most || (tries > 0 && is_stopped())) break;
+      std::unique_ptr<Chain> chain = brought(way, t, before, tries > 0);
+      if (!chain) continue;
+      garment::Certificate tried = try_frame(*chain, t);
+      tried.attempts = ++tries;
+      if (tries == 1) {
+        certificate = tried;
+        chain_ = std::move(chain);
+      } else if (tried.is_accepted) {
+        certificate = tried;
+        chain_ = taken_up(chain->state(t + 1, true), config_);
+      }
     }
     if (!certificate.is_accepted && is_out_of_time()) certificate.reason = garment::kOutOfTime;
     is_sound_ = certificate.is_accepted;
@@ -329,6 +373,14 @@ class Walk {
   bool is_sound() const { return is_sound_; }
 
  private:
+  // To a frame.
+  enum class Way {
+    kOn,       // from the frame before
+    kPatient,  // the same in smaller steps
+    kRefined,  // dressed in the T-pose and brought there with a coarse tessellation, refined there
+    kAnew      // dressed in the T-pose and brought there
+  };
+
   bool is_out_of_time() const {
     return supervision_.max_seconds_per_drape > 0 &&
            processor_seconds() - start_ > supervision_.max_seconds_per_drape;
@@ -339,26 +391,52 @@ class Walk {
     return was_stopped_;
   }
 
-  std::unique_ptr<Chain> dressed(const SimulationConfig& config) {
+  Wearer wearer(int t) const { return {shape_, motion_.frames[static_cast<size_t>(t)]}; }
+
+  std::unique_ptr<Chain> chain_on(const Wearer& wearer, const Points3& positions,
+                                  const SimulationConfig& config) {
     return std::make_unique<Chain>(
         garment_.topology, garment_.panels, model_, fabric_, config,
-        [this] { return is_stopped(); }, Wearer{Eigen::VectorXd::Zero(shape_.size()), body::Pose{}},
-        garment_.t_pose);
+        [this] { return is_stopped(); }, wearer, positions);
   }
   std::unique_ptr<Chain> taken_up(const garment::ClipState& state, const SimulationConfig& config) {
-    if (state.frame == 0) return dressed(config);
-    auto chain = std::make_unique<Chain>(
-        garment_.topology, garment_.panels, model_, fabric_, config,
-        [this] { return is_stopped(); },
-        Wearer{shape_, motion_.frames[static_cast<size_t>(state.frame - 1)]}, state.positions);
+    auto chain = chain_on(wearer(state.frame - 1), state.positions, config);
     chain->set_anchors(state);
     return chain;
   }
+  // As far as the last step, or steps, to frame t. Nothing where this way is closed.
+  std::unique_ptr<Chain> brought(Way way, int t, const std::optional<garment::ClipState>& before,
+                                 bool is_patient) {
+    const SimulationConfig config = is_patient ? patient(config_) : config_;
+    if (way == Way::kOn) return std::move(chain_);
+    if (way == Way::kPatient) return taken_up(*before, config);
+    const Wearer mean{Eigen::VectorXd::Zero(shape_.size()), body::Pose{}};
+    if (way == Way::kAnew) {
+      auto chain = chain_on(mean, garment_.t_pose, config);
+      ease_in(*chain, wearer(t));
+      return chain;
+    }
+    if (!coarse()) return nullptr;  // too coarse itself
+    const Cut& cut = *coarse();
+    const SimulationConfig sketch = sketching(config);
+    Chain drawn(
+        cut.topology, cut.panels, model_, fabric_, sketch, [this] { return is_stopped(); }, mean,
+        garment::resample(garment_.topology, garment_.t_pose, cut.topology));
+    ease_in(drawn, wearer(t));
+    drawn.settle(sketch.solver);
+    auto chain = chain_on(
+        wearer(t), garment::resample(cut.topology, drawn.positions(), garment_.topology), config);
+    return chain->is_free() ? std::move(chain) : nullptr;
+  }
 
-  garment::Certificate try_frame(Chain& chain, int t, bool is_anew = false) {
-    const Wearer next{shape_, motion_.frames[static_cast<size_t>(t)]};
-    if (t == 0 || is_anew) ease_in(chain, next);
-    const NewtonResult solved = chain.advance(next, config_.solver);
+  const std::optional<Cut>& coarse() {
+    if (!has_coarse_) coarse_ = coarser(garment_.design, garment_.topology.vertex_count);
+    has_coarse_ = true;
+    return coarse_;
+  }
+
+  garment::Certificate try_frame(Chain& chain, int t) {
+    const NewtonResult solved = chain.advance(wearer(t), config_.solver);
     garment::Certificate certificate = chain.certify(solved);
     certificate.iterations = solved.iterations;
     if (was_stopped_) {
@@ -376,6 +454,8 @@ class Walk {
   const SimulationConfig& config_;
   const Supervision& supervision_;
   std::unique_ptr<Chain> chain_;
+  std::optional<Cut> coarse_;
+  bool has_coarse_ = false;  // or is known to have none
   bool is_sound_ = true;
   double start_ = 0;  // of the frame, processor seconds
   bool was_stopped_ = false;
@@ -455,6 +535,33 @@ garment::Clip simulate(const garment::Garment& garment, const body::BodyModel& m
   return clip;
 }
 
+namespace {
+
+Chain chain_on_mean(const Cut& cut, const body::BodyModel& model, const garment::Fabric& fabric,
+                    const SimulationConfig& config, const std::function<bool()>& should_stop,
+                    const Points3& positions) {
+  return Chain(cut.topology, cut.panels, model, fabric, config, should_stop,
+               {Eigen::VectorXd::Zero(model.shape_directions.size()), body::Pose{}}, positions);
+}
+
+// Where settling starts: around the body, or, settled there, a coarser tessellation.
+Points3 sewn(const Cut& cut, const garment::Design& design, const body::BodyModel& model,
+             const garment::Fabric& fabric, const SimulationConfig& config,
+             const std::function<bool()>& should_stop) {
+  const std::optional<Cut> coarse = coarser(design, cut.topology.vertex_count);
+  if (!coarse)
+    return garment::place_around_body(
+        cut.topology, cut.panels, model,
+        body::shape_body(model, Eigen::VectorXd::Zero(model.shape_directions.size())));
+  const SimulationConfig sketch = sketching(config);
+  Chain chain = chain_on_mean(*coarse, model, fabric, sketch, should_stop,
+                              sewn(*coarse, design, model, fabric, config, should_stop));
+  chain.settle(sketch.solver);
+  return garment::resample(coarse->topology, chain.positions(), cut.topology);
+}
+
+}  // namespace
+
 garment::Garment settle_garment(const garment::Design& design,
                                 const garment::GarmentTopology& topology,
                                 const body::BodyModel& model, const garment::Fabric& fabric,
@@ -464,19 +571,24 @@ garment::Garment settle_garment(const garment::Design& design,
   garment.design = design;
   garment.topology = topology;
   garment.panels = garment::cut_panels(topology, design);
-  const Eigen::VectorXd mean = Eigen::VectorXd::Zero(model.shape_directions.size());
-  const body::ShapedBody shaped = body::shape_body(model, mean);
-  const Points3 start = garment::place_around_body(topology, garment.panels, model, shaped);
-  Chain chain(topology, garment.panels, model, fabric, config, should_stop, {mean, body::Pose{}},
-              start);
-  constexpr int kTries = 4;  // sewing starts far from rest
+  const body::ShapedBody shaped =
+      body::shape_body(model, Eigen::VectorXd::Zero(model.shape_directions.size()));
+  const Cut cut{topology, garment.panels};
   garment::Certificate certificate;
-  for (int i = 0; i < kTries && !certificate.is_accepted && !(should_stop && should_stop()); ++i)
-    certificate = chain.certify(chain.settle(config.solver));
+  for (const bool is_coarse_first : {true, false}) {
+    const Points3 start = is_coarse_first
+                              ? sewn(cut, design, model, fabric, config, should_stop)
+                              : garment::place_around_body(topology, garment.panels, model, shaped);
+    Chain chain = chain_on_mean(cut, model, fabric, config, should_stop, start);
+    constexpr int kTries = 4;  // sewing starts far from rest
+    for (int i = 0; i < kTries && !certificate.is_accepted && !(should_stop && should_stop()); ++i)
+      certificate = chain.certify(chain.settle(config.solver));
+    garment.t_pose = chain.positions();
+    if (certificate.is_accepted) break;
+  }
   if (!certificate.is_accepted)
     throw InputError("design '" + design.name + "' does not settle on the mean body (" +
                      certificate.reason + "); give it other numbers, or loosen simulation.accept");
-  garment.t_pose = chain.positions();
   garment.weights = garment::garment_weights(garment.t_pose, topology.faces, model, shaped);
   return garment;
 }

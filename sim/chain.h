@@ -17,8 +17,9 @@ struct SimulationConfig {      // section `simulation`
   double ease_deg = 10;        // largest joint turn of one step on the way to a frame
   double ease_residual = 0.1;  // steps on the way need not settle fully
   int ease_iterations = 4;
-  int retries =
-      2;  // other ways to a frame that is rejected: 1 in smaller steps, 2 also dressed anew
+  // Other ways to a frame that is rejected: 1 in smaller steps, 2 also coarse-to-fine (dressed anew
+  // and brought there with a coarse tessellation, refined there), 3 also dressed anew as it is.
+  int retries = 3;
   int checkpoint_frames = 20;  // after so many a chain begins anew from what its state says
   NewtonConfig solver;
   ContactConfig contact;

@@ -51,13 +51,14 @@ void Report::add(const Row& row) {
 int main(int argc, char** argv) try {
   using pleat::bench::Report;
   const std::map<std::string, void (*)(Report&)> areas = {
+#ifdef PLEAT_BENCH_LEARN
+      {"learn", pleat::bench::bench_learn},
+#else
       {"campaign", pleat::bench::bench_campaign},
       {"codec", pleat::bench::bench_codec},
       {"core", pleat::bench::bench_core},
-#ifdef PLEAT_BENCH_LEARN
-      {"learn", pleat::bench::bench_learn},
-#endif
       {"sim", pleat::bench::bench_sim},
+#endif
   };
   std::string json_path, area;
   for (int k = 1; k < argc; ++k) {

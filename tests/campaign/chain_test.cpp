@@ -228,6 +228,22 @@ TEST_F(ChainTest, FramesThatTakeTooLongAreRejected) {
   }
 }
 
+// Fine enough to have a coarse stand-in, which goes ahead to the first pose.
+TEST_F(ChainTest, StartsCoarseToFine) {
+  const garment::Design design{"top", 0.1, 0.1, 0.3, false};
+  const garment::Garment fine = settle_garment(
+      design, garment::make_topology(2450), dressed_->model, garment::Fabric{}, SimulationConfig{});
+  body::Motion motion = arms_down();
+  motion.frames.resize(1);
+  const garment::Clip clip =
+      simulate(fine, dressed_->model, Vec<2>(0.5, -0.5), motion, garment::Fabric{}, {});
+  ASSERT_EQ(clip.certificates.size(), 1u);
+  EXPECT_TRUE(clip.certificates[0].is_accepted) << clip.certificates[0].reason;
+  EXPECT_EQ(clip.certificates[0].attempts, 1);
+  EXPECT_LT((clip.positions[0] - fine.t_pose).rowwise().norm().maxCoeff(), 0.3);
+  EXPECT_GT((clip.positions[0] - fine.t_pose).rowwise().norm().maxCoeff(), 0.02);
+}
+
 // Where the first way does not serve, the next is tried; the certificate tells.
 TEST_F(ChainTest, RejectedFramesAreTriedInOtherWays) {
   SimulationConfig config;
@@ -240,7 +256,7 @@ TEST_F(ChainTest, RejectedFramesAreTriedInOtherWays) {
   const garment::Clip once = run(1, config, supervision);
   const int asked_once = asked;
   asked = 0;
-  config.retries = 2;
+  config.retries = 3;
   const garment::Clip again = run(1, config, supervision);
   EXPECT_GT(asked, asked_once);
   expect_same(once, again, kFrames);  // the first way counts where none serves
