@@ -25,13 +25,21 @@ function(pleat_library room)
   set_property(GLOBAL APPEND PROPERTY PLEAT_ROOMS ${room})
 endfunction()
 
-# pleat_tests(core LABEL fast SOURCES a_test.cpp ... LIBRARIES pleat::core ...)
+# pleat_tests(core LABEL fast SOURCES a_test.cpp ... LIBRARIES pleat::core ... WHOLE Suite ...)
+# ctest runs each test in a process of its own, but a suite that sets up much is one test to it (WHOLE).
 function(pleat_tests name)
-  cmake_parse_arguments(ARG "" "LABEL" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "LABEL" "SOURCES;LIBRARIES;WHOLE" ${ARGN})
   add_executable(${name}_tests ${ARG_SOURCES})
   target_link_libraries(${name}_tests PRIVATE ${ARG_LIBRARIES} pleat_options GTest::gmock GTest::gtest_main)
   target_compile_definitions(${name}_tests PRIVATE PLEAT_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
-  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 120 PROPERTIES LABELS ${ARG_LABEL} TIMEOUT 600)
+  foreach(suite ${ARG_WHOLE})
+    add_test(NAME ${suite} COMMAND ${name}_tests --gtest_filter=${suite}.*)
+    set_tests_properties(${suite} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT 900)
+    list(APPEND whole "${suite}.*")
+  endforeach()
+  list(JOIN whole ":" whole)
+  gtest_discover_tests(${name}_tests TEST_FILTER "*-${whole}" DISCOVERY_TIMEOUT 120
+    PROPERTIES LABELS ${ARG_LABEL} TIMEOUT 600)
 endfunction()
 
 # Installs every room as pleat::<room>, its headers, and the package config for find_package(pleat).
