@@ -25,14 +25,6 @@
 namespace pleat::app {
 namespace {
 
-// A study by its file, or by the folder that it has made, which may have moved since.
-StudyConfig read_study_or_folder(const std::string& path) {
-  if (!std::filesystem::is_directory(path)) return read_study(path);
-  StudyConfig study = read_study(path + "/config.yaml");
-  study.output = path;
-  return study;
-}
-
 // A campaign that has a folder, ready to make parts of it again.
 struct Planned {
   StudyConfig study;

@@ -40,6 +40,18 @@ std::string campaign_summary(const campaign::RunReport& report) {
   return text;
 }
 
+// So that it can be read from anywhere.
+StudyConfig with_absolute_paths(StudyConfig study) {
+  const auto make_absolute = [](std::string& path) {
+    if (!path.empty()) path = std::filesystem::absolute(path).lexically_normal().string();
+  };
+  make_absolute(study.output);
+  make_absolute(study.body.file);
+  make_absolute(study.fabric.file);
+  for (MotionEntry& motion : study.motions) make_absolute(motion.file);
+  return study;
+}
+
 // One study being run: its folder, its keys, what is done.
 class Pipeline {
  public:
@@ -134,14 +146,8 @@ class Pipeline {
 
   bool encode() {
     return once("encode", encode_key_, dataset(), [&]() -> std::optional<std::string> {
-      encode::DatasetInputs inputs;
-      for (const campaign::Chain& chain : manifest_.chains)
-        inputs.clip_files.push_back(campaign::shard_path(study_.output, chain.key));
-      for (const std::string& key : manifest_.garment_keys)
-        inputs.garment_files.push_back(campaign::garment_path(study_.output, key));
-      inputs.body_file = study_.body.file;
-      const auto report =
-          encode::make_dataset(inputs, study_.encode, provenance("encode"), dataset());
+      const auto report = encode::make_dataset(dataset_inputs(study_, manifest_), study_.encode,
+                                               provenance("encode"), dataset());
       if (report.is_interrupted) return std::nullopt;
       return std::to_string(report.accepted_frames) + " frames, round trip " +
              format("%.3f mm mean, %.2f mm at the 99th percentile", report.round_trip_mean_mm,
@@ -234,7 +240,7 @@ class Pipeline {
   Provenance provenance(const std::string& stage) const {
     Provenance provenance;
     provenance.stage = stage;
-    provenance.config = to_yaml(study_);
+    provenance.config = to_yaml(with_absolute_paths(study_));
     provenance.seed = study_.seed;
     return provenance;
   }
@@ -273,6 +279,16 @@ campaign::Campaign campaign_of(const StudyConfig& study) {
   return campaign;
 }
 
+encode::DatasetInputs dataset_inputs(const StudyConfig& study, const campaign::Manifest& manifest) {
+  encode::DatasetInputs inputs;
+  for (const campaign::Chain& chain : manifest.chains)
+    inputs.clip_files.push_back(campaign::shard_path(study.output, chain.key));
+  for (const std::string& key : manifest.garment_keys)
+    inputs.garment_files.push_back(campaign::garment_path(study.output, key));
+  inputs.body_file = study.body.file;
+  return inputs;
+}
+
 campaign::RunOptions run_options_of(const StudyConfig& study) {
   campaign::RunOptions options;
   options.folder = study.output;
@@ -287,15 +303,7 @@ void write_plan(const StudyConfig& study, const campaign::Campaign& campaign,
   std::error_code error;
   std::filesystem::create_directories(study.output, error);
   if (error) throw InputError("output: " + study.output + ": " + error.message());
-  StudyConfig found = study;  // from wherever it is read
-  const auto make_absolute = [](std::string& path) {
-    if (!path.empty()) path = std::filesystem::absolute(path).lexically_normal().string();
-  };
-  make_absolute(found.output);
-  make_absolute(found.body.file);
-  make_absolute(found.fabric.file);
-  for (MotionEntry& motion : found.motions) make_absolute(motion.file);
-  write_file_atomically(study.output + "/config.yaml", to_yaml(found));
+  write_file_atomically(study.output + "/config.yaml", to_yaml(with_absolute_paths(study)));
   campaign::write_manifest(study.output, campaign, manifest);
 }
 

@@ -8,6 +8,7 @@
 #include "app/study.h"
 #include "campaign/run_tasks.h"
 #include "core/provenance.h"
+#include "encode/drape_files.h"
 
 namespace pleat::app {
 
@@ -38,6 +39,9 @@ struct LearnStages {
 campaign::Campaign campaign_of(const StudyConfig& study);
 
 campaign::RunOptions run_options_of(const StudyConfig& study);
+
+// The files that the dataset of a study is made from.
+encode::DatasetInputs dataset_inputs(const StudyConfig& study, const campaign::Manifest& manifest);
 
 // Makes the output folder, with config.yaml and manifest.jsonl. InputError where it cannot.
 void write_plan(const StudyConfig& study, const campaign::Campaign& campaign,

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "app/campaign_commands.h"
+#include "app/codec_commands.h"
 #include "app/exit_codes.h"
 #include "app/pipeline.h"
 #include "app/yaml_reader.h"
@@ -115,6 +116,7 @@ int run(int argc, char** argv, const LearnStages& learning) {
   add_stage("run", "all stages of a study, ending with its report.html", Stage::kReport);
   add_stage("dress", "sew each design and settle it on the mean body", Stage::kDress);
   add_campaign_commands(program, result, argv);
+  add_codec_commands(program, result, argv);
   add_stage("encode", "simulate, and turn drapes into offset textures: dataset.h5", Stage::kEncode);
   add_stage("train", "... and train G_design and the diffusion model: models/", Stage::kTrain);
   add_stage("sample", "... and draw textures for held-out frames: samples.h5", Stage::kSample);

@@ -432,6 +432,8 @@ class Reader {
   std::vector<std::string> known_;
 };
 
+YAML::Node parse(const std::string& text, const std::string& path);
+
 YAML::Node load(const std::string& path) {
   constexpr uintmax_t kMostBytes = 64 << 20;  // lists as long as kMostItems allows
   std::error_code error;
@@ -441,8 +443,12 @@ YAML::Node load(const std::string& path) {
     throw InputError(path + ": is larger than a configuration can be (64 MiB)");
   std::ifstream stream(path);
   if (!stream) throw InputError(path + ": cannot be read");
+  return parse(std::string(std::istreambuf_iterator<char>(stream), {}), path);
+}
+
+YAML::Node parse(const std::string& text, const std::string& path) {
   try {
-    const YAML::Node node = YAML::Load(stream);
+    const YAML::Node node = YAML::Load(text);
     if (!node || node.IsNull()) throw InputError(path + ": is empty");
     return node;
   } catch (const YAML::Exception& e) {
@@ -519,9 +525,10 @@ std::string section(const std::string& name, const std::string& text) {
 
 }  // namespace
 
-StudyConfig read_study(const std::string& path) {
+namespace {
+
+StudyConfig study_of(const YAML::Node& root, const std::string& path) {
   StudyConfig study;
-  const YAML::Node root = load(path);
   try {
     Reader(root, path, "")("seed", study.seed);  // first, as lists may be drawn by it
     Reader reader(root, path, "", study.seed);
@@ -545,6 +552,21 @@ StudyConfig read_study(const std::string& path) {
   } catch (const InputError& e) {
     throw InputError(place_of(e.what(), root, path) + e.what());
   }
+  return study;
+}
+
+}  // namespace
+
+StudyConfig read_study(const std::string& path) { return study_of(load(path), path); }
+
+StudyConfig read_study_text(const std::string& text, const std::string& name) {
+  return study_of(parse(text, name), name);
+}
+
+StudyConfig read_study_or_folder(const std::string& path) {
+  if (!std::filesystem::is_directory(path)) return read_study(path);
+  StudyConfig study = read_study(path + "/config.yaml");
+  study.output = path;
   return study;
 }
 

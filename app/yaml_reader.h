@@ -11,6 +11,11 @@ namespace pleat::app {
 // one), wrong type, wrong value.
 StudyConfig read_study(const std::string& path);
 
+// The same of a text that a file holds, which errors call `name`.
+StudyConfig read_study_text(const std::string& text, const std::string& name);
+// A study by its file, or by the folder that it has made, which may have moved since.
+StudyConfig read_study_or_folder(const std::string& path);
+
 // The effective configuration of the whole study, every key with its value, as YAML that read_study
 // takes.
 std::string to_yaml(const StudyConfig& study);

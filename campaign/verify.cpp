@@ -164,4 +164,31 @@ FrameAgain run_frame_again(const Campaign& campaign, const Manifest& manifest,
                    std::to_string(frame) + ", or is not simulated yet");
 }
 
+Remade remake(const Campaign& campaign, const Manifest& manifest, const RunOptions& options,
+              int chain, int frame) {
+  const Chain& wanted = manifest.chains[chain];
+  const MotionSource& source = campaign.motions[wanted.motion];
+  const body::BodyModel model = body::read_body(campaign.body_file);
+  body::Motion motion = body::load_motion(source.file, model, source.config);
+  motion.name = source.name;
+  if (frame < 0 || static_cast<size_t>(frame) >= motion.frames.size())
+    throw InputError("chain " + wanted.key + " has no frame " + std::to_string(frame));
+  motion.frames.resize(static_cast<size_t>(frame) + 1);
+  Progress progress("remake", frame + 2, "drapes");
+  Remade remade;
+  remade.garment = sim::settle_garment(
+      campaign.designs[wanted.design], garment::make_topology(campaign.garment_vertices), model,
+      garment::middle_fabric(campaign.fabric), campaign.simulation, is_interrupted);
+  progress.advance(1, "its garment");
+  sim::Supervision supervision;
+  supervision.max_seconds_per_drape = options.limits.max_seconds_per_drape;
+  supervision.should_stop = is_interrupted;
+  supervision.on_frame = [&](const garment::Certificate& c) { progress.advance(1, c.reason); };
+  remade.clip = sim::simulate(remade.garment, model, campaign.shapes[wanted.shape], motion,
+                              fabric_of(campaign, wanted), campaign.simulation, supervision);
+  for (Points3& positions : remade.clip.positions)
+    positions = positions.cast<float>().cast<double>();
+  return remade;
+}
+
 }  // namespace pleat::campaign

@@ -45,4 +45,13 @@ struct FrameAgain {
 FrameAgain run_frame_again(const Campaign& campaign, const Manifest& manifest,
                            const RunOptions& options, int chain, int frame);
 
+// A chain from its beginning to `frame`, its garment too, made from the campaign's inputs alone.
+// The clip is empty where the user interrupted.
+struct Remade {
+  garment::Garment garment;
+  garment::Clip clip;  // positions rounded to float, as a shard has them
+};
+Remade remake(const Campaign& campaign, const Manifest& manifest, const RunOptions& options,
+              int chain, int frame);
+
 }  // namespace pleat::campaign

@@ -34,7 +34,8 @@ constexpr ArrayNote kNotes[] = {
     {"previous", "1", "row of the frame before in the same clip, -1 where none"},
     {"split", "1", "0 train, 1 held-out design, 2 held-out sequence, 3 both"},
     {"certificate", "1, 1, m, 1, 1, 1, 1, 1",
-     "residual, is_stable, min_gap_m, max_strain, strain_95, body_intersections, overlap_intersections, "
+     "residual, is_stable, min_gap_m, max_strain, strain_95, body_intersections, "
+     "overlap_intersections, "
      "self_intersections"},
     {"clip_key", "1", "content key of the shard that the frame came from"},
     {"designs/parameters", "1", "length, sleeve, cleavage, each 0 .. 1"},
@@ -464,21 +465,13 @@ DatasetWriter::DatasetWriter(const std::string& path, const DatasetContents& con
 
 Texture DatasetWriter::append(const Texture& texture) {
   assert(row_ < row_count_ && texture.size == texture_size_);
-  Texture stored = texture;
   if (scale_m_ > 0) {
-    std::vector<int16_t> values(texture.values.size());
-    for (size_t i = 0; i < values.size(); ++i) {
-      const double rounded = std::round(static_cast<double>(texture.values[i]) / scale_m_);
-      assert(std::abs(rounded) <= std::numeric_limits<int16_t>::max());
-      values[i] = static_cast<int16_t>(rounded);
-      stored.values[i] = static_cast<float>(values[i] * scale_m_);
-    }
-    file_.write_rows("textures", row_, 1, values.data());
-  } else {
-    file_.write_rows("textures", row_, 1, texture.values.data());
+    const std::vector<int16_t> steps = to_fixed_point(texture, scale_m_);
+    file_.write_rows("textures", row_++, 1, steps.data());
+    return from_fixed_point(steps, texture_size_, scale_m_);
   }
-  ++row_;
-  return stored;
+  file_.write_rows("textures", row_++, 1, texture.values.data());
+  return texture;
 }
 
 void DatasetWriter::commit() {

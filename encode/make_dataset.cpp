@@ -4,22 +4,16 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <set>
 
 #include "body/body_file.h"
 #include "core/error.h"
 #include "core/progress.h"
+#include "encode/drape_files.h"
 #include "encode/error_summary.h"
-#include "garment/clip.h"
-#include "garment/garment_file.h"
 
 namespace pleat::encode {
 namespace {
 
-// Of int16's range: the float that a texel was rounded to may round up again.
-constexpr double kHeadroom = 1.001;
-constexpr double kSmallestRange =
-    1e-3;  // m, so that a campaign without any offset still has a scale
 // A vertex whose blended transform shrinks by more than this in some direction has its error grown
 // as much by posing back.
 constexpr double kIllConditioned = 0.25;
@@ -28,46 +22,6 @@ std::string list(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
-}
-
-bool have_one_topology(const garment::GarmentTopology& a, const garment::GarmentTopology& b) {
-  return a.vertex_count == b.vertex_count && a.faces.rows() == b.faces.rows() &&
-         a.faces == b.faces && a.panel_faces == b.panel_faces && a.uv.rows() == b.uv.rows() &&
-         a.uv == b.uv;
-}
-
-std::vector<garment::Garment> read_garments(const std::vector<std::string>& files) {
-  if (files.empty()) throw InputError("no garment to encode; settle the designs first");
-  std::vector<garment::Garment> garments;
-  std::set<std::string> names;
-  for (const std::string& file : files) {
-    garments.push_back(garment::read_garment(file));
-    if (!have_one_topology(garments.front().topology, garments.back().topology)) {
-      throw InputError(file + ": has another topology than " + files.front() +
-                       "; all designs of a dataset share one");
-    }
-    if (!names.insert(garments.back().design.name).second) {
-      throw InputError(file + ": design " + garments.back().design.name + " comes twice");
-    }
-  }
-  return garments;
-}
-
-int design_of(const garment::Clip& clip, const std::string& file,
-              const std::vector<garment::Garment>& garments) {
-  for (size_t i = 0; i < garments.size(); ++i) {
-    const garment::Design& design = garments[i].design;
-    if (design.name != clip.design.name) continue;
-    const double difference = std::max({std::abs(design.length - clip.design.length),
-                                        std::abs(design.sleeve - clip.design.sleeve),
-                                        std::abs(design.cleavage - clip.design.cleavage)});
-    if (difference > 1e-6) {
-      throw InputError(file + ": its design " + design.name +
-                       " has other parameters than the garment of that name");
-    }
-    return static_cast<int>(i);
-  }
-  throw InputError(file + ": no garment of its design " + clip.design.name + " was given");
 }
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
@@ -88,23 +42,6 @@ int sequence_of(const garment::Clip& clip, const std::string& file, const Encode
   sequences.push_back(
       {clip.motion_name, contains(config.held_out_motions, clip.motion_name), clip.frame_rate_hz});
   return static_cast<int>(sequences.size()) - 1;
-}
-
-garment::Clip load_clip(const std::string& file, int vertex_count) {
-  garment::Clip clip = garment::read_clip(file);
-  if (clip.poses.size() != clip.positions.size() ||
-      clip.certificates.size() != clip.positions.size()) {
-    throw InputError(file + ": poses, positions and certificates are not of equally many frames");
-  }
-  for (const Points3& positions : clip.positions) {
-    if (positions.rows() != vertex_count) {
-      throw InputError(file + ": positions of " + std::to_string(positions.rows()) +
-                       " vertices; the garments have " + std::to_string(vertex_count));
-    }
-    if (!positions.allFinite())
-      throw InputError(file + ": positions: holds a number that is not finite");
-  }
-  return clip;
 }
 
 // Where a clip's rows lie.
@@ -328,10 +265,7 @@ DatasetReport make_dataset(const DatasetInputs& inputs, const EncodeConfig& conf
   report.smallest_singular_value = survey.smallest_singular_value;
   report.ill_conditioned_share =
       static_cast<double>(survey.ill_conditioned) / static_cast<double>(survey.vertices);
-  if (config.dtype == "int16") {
-    const double range = std::max(kSmallestRange, kHeadroom * report.largest_offset_m);
-    report.scale_m = range / std::numeric_limits<int16_t>::max();
-  }
+  if (config.dtype == "int16") report.scale_m = fixed_point_scale(report.largest_offset_m);
 
   add_inputs(provenance, inputs, contents);
   DatasetWriter writer(path, contents, report.scale_m, config.gzip_level, provenance);

@@ -9,6 +9,7 @@
 
 #include "core/provenance.h"
 #include "encode/dataset.h"
+#include "encode/drape_files.h"
 
 namespace pleat::encode {
 
@@ -23,13 +24,6 @@ struct EncodeConfig {                         // section `encode`
   std::optional<std::vector<std::string>> held_out_designs;
 };
 void validate(const EncodeConfig& config);  // throws InputError naming the key
-
-struct DatasetInputs {
-  std::vector<std::string> clip_files;  // rows come in this order
-  std::vector<std::string>
-      garment_files;  // one a design, of one topology; rows of `designs/...` in this order
-  std::string body_file;
-};
 
 struct DatasetReport {
   int64_t accepted_frames = 0;  // rows

@@ -5,6 +5,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 
@@ -17,7 +18,34 @@ namespace {
 constexpr double kSmoothness = 1e-3;
 constexpr double kDecay = 1e-5;
 
+// Of int16's range: the float that a texel was rounded to may round up again.
+constexpr double kHeadroom = 1.001;
+constexpr double kSmallestRange =
+    1e-3;  // m, so that a campaign without any offset still has a scale
+
 }  // namespace
+
+double fixed_point_scale(double largest_offset_m) {
+  return std::max(kSmallestRange, kHeadroom * largest_offset_m) /
+         std::numeric_limits<int16_t>::max();
+}
+
+std::vector<int16_t> to_fixed_point(const Texture& texture, double scale_m) {
+  std::vector<int16_t> steps(texture.values.size());
+  for (size_t i = 0; i < steps.size(); ++i) {
+    const double rounded = std::round(static_cast<double>(texture.values[i]) / scale_m);
+    assert(std::abs(rounded) <= std::numeric_limits<int16_t>::max());
+    steps[i] = static_cast<int16_t>(rounded);
+  }
+  return steps;
+}
+
+Texture from_fixed_point(const std::vector<int16_t>& steps, int size, double scale_m) {
+  Texture texture{size, std::vector<float>(steps.size())};
+  for (size_t i = 0; i < steps.size(); ++i)
+    texture.values[i] = static_cast<float>(steps[i] * scale_m);
+  return texture;
+}
 
 TexelReads bilinear_reads(const Eigen::Ref<const Points2>& uv, int size,
                           const std::vector<uint8_t>& mask) {

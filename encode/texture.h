@@ -1,6 +1,7 @@
 // Vertex offsets <-> offset texture (paper, sections 3 and 5.1).
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,6 +15,13 @@ struct Texture {
   int size = 0;               // R
   std::vector<float> values;  // [3, R, R], row 0 is the top (v = 1)
 };
+
+// Metres a step of int16, for textures whose offsets are nowhere larger than this on one axis.
+double fixed_point_scale(double largest_offset_m);
+// Steps: every texel rounded to the nearest. A value outside of the scale's range is our own
+// mistake (assert).
+std::vector<int16_t> to_fixed_point(const Texture& texture, double scale_m);
+Texture from_fixed_point(const std::vector<int16_t>& steps, int size, double scale_m);
 
 // Bilinear reads at fixed places: up to four texels each, with weights that sum to 1.
 struct TexelReads {
