@@ -33,7 +33,7 @@ std::vector<Place> places(const DatasetInputs& inputs, int64_t max_frames) {
   const int64_t count = static_cast<int64_t>(all.size());
   if (max_frames <= 0 || count <= max_frames) return all;
   std::vector<Place> spread;
-  for (int64_t i = 0; i < max_frames; ++i) spread.push_back(all[i * count / max_frames]);
+  for (int64_t i = 0; i < max_frames; ++i) spread.push_back(all[(2 * i + 1) * count / (2 * max_frames)]);
   return spread;
 }
 

@@ -19,12 +19,13 @@ class Report {
   void time(const std::string& name, int n, const std::function<void()>& action);
   // The same of an action on `count` things; row in ns each.
   void time_each(const std::string& name, int n, size_t count, const std::function<void()>& action);
+  // The same of an action on `count` things; row in things a second.
+  void rate(const std::string& name, int n, size_t count, const std::function<void()>& action);
   void add(const std::string& name, double value, const std::string& unit);
   const std::vector<Row>& rows() const { return rows_; }
 
  private:
-  void time(const std::string& name, int n, double scale, const std::string& unit,
-            const std::function<void()>& action);
+  double median_seconds(int n, const std::function<void()>& action);
   void add(const Row& row);
   std::vector<Row> rows_;
 };

@@ -15,16 +15,20 @@
 namespace pleat::bench {
 
 void Report::time(const std::string& name, int n, const std::function<void()>& action) {
-  time(name, n, 1e3, "ms", action);
+  add({name, "ms", 1e3 * median_seconds(n, action), n});
 }
 
 void Report::time_each(const std::string& name, int n, size_t count,
                        const std::function<void()>& action) {
-  time(name, n, 1e9 / static_cast<double>(count), "ns", action);
+  add({name, "ns", 1e9 / static_cast<double>(count) * median_seconds(n, action), n});
 }
 
-void Report::time(const std::string& name, int n, double scale, const std::string& unit,
+void Report::rate(const std::string& name, int n, size_t count,
                   const std::function<void()>& action) {
+  add({name, "1/s", static_cast<double>(count) / median_seconds(n, action), n});
+}
+
+double Report::median_seconds(int n, const std::function<void()>& action) {
   if (n > 1) action();
   std::vector<double> seconds(n);
   for (double& value : seconds) {
@@ -33,7 +37,7 @@ void Report::time(const std::string& name, int n, double scale, const std::strin
     value = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
   std::sort(seconds.begin(), seconds.end());
-  add({name, unit, scale * 0.5 * (seconds[(n - 1) / 2] + seconds[n / 2]), n});
+  return 0.5 * (seconds[(n - 1) / 2] + seconds[n / 2]);
 }
 
 void Report::add(const std::string& name, double value, const std::string& unit) {

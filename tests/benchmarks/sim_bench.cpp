@@ -1,5 +1,5 @@
-// The solver's parts on a square metre of cloth let down on a ball, and whole drapes of a tee on the
-// default body in a walk.
+// The solver's parts on a square metre of cloth let down on a ball, and whole drapes of a tee on
+// the default body in a walk.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -91,13 +91,13 @@ void bench_forces(const std::string& law, const Sheet& sheet, Report& report) {
   if (std::isnan(sum)) report.add("sim.membrane_" + law + ".nan", 1, "");  // and keeps the loops
   sim::System system;
   const sim::Region all = sim::whole(cloth);
-  report.time("sim/assemble_5k_" + law, 20, [&] {
-    sim::assemble(cloth, all, {}, {}, x, sim::Order::kProjectedHessian, system);
-  });
+  report.time("sim/assemble_5k_" + law, 20,
+              [&] { sim::assemble(cloth, all, {}, {}, x, sim::Order::kProjectedHessian, system); });
 }
 
-// A short-sleeved tee on the mean body through a walk at 30 frames a second: seconds of one core, each
-// with its certificate. `cold`: of the first drape on the walking body, with dressing and easing in.
+// A short-sleeved tee on the mean body through a walk at 30 frames a second: seconds of one core,
+// each with its certificate. `cold`: of the first drape on the walking body, with dressing and
+// easing in.
 void bench_walk(const std::string& name, int vertices, int frames, const body::BodyModel& model,
                 const body::Motion& walk, Report& report) {
   const sim::SimulationConfig config;

@@ -186,6 +186,59 @@ assert sorted(found) == sorted(documented), set(found) ^ set(documented)
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
+// scripts/pleat_dataset.py reads what a Dataset reads, in both storages.
+TEST(Dataset, ReaderInPythonAgrees) {
+  if (std::system("/usr/bin/python3 -c 'import h5py' >/dev/null 2>&1") != 0)
+    GTEST_SKIP() << "no h5py here";
+  for (const double scale : {1e-6, 0.0}) {
+    const Small small;
+    const TemporaryFolder folder;
+    small.write(folder / "dataset.h5", scale);
+    const Dataset dataset(folder / "dataset.h5");
+    std::ofstream(folder / "read.py") << R"(
+import pickle, sys, numpy as np
+sys.path.insert(0, sys.argv[2])
+from pleat_dataset import PleatDataset, SPLITS
+every = PleatDataset(sys.argv[1], split=None, with_previous=True)
+assert len(every) == 4
+assert sum(len(PleatDataset(sys.argv[1], split)) for split in SPLITS) == 4
+out = open(sys.argv[3], "wb")
+for k in range(len(every)):
+    item = every[k]
+    assert item["row"] == k and item["texture"].dtype == np.float32 and item["pose"].shape == (72,)
+    assert item["design"].shape == (3,) and item["shape"].ndim == 1
+    before = every.previous[k]
+    assert np.isnan(item["previous_texture"]).all() if before < 0 else (item["previous_texture"] == every.texture(before)).all()
+    out.write(item["texture"].tobytes())
+try:
+    every[4]
+    raise SystemExit("no end")
+except IndexError:
+    pass
+copy = pickle.loads(pickle.dumps(every))
+assert (copy[1]["texture"] == every[1]["texture"]).all()
+train = PleatDataset(sys.argv[1], "train", normalised=True)
+for k in range(len(train)):
+    raw = every.texture(train.rows[k])
+    expected = np.where(every.mask, (raw - every.mean) / every.std, 0)
+    assert np.allclose(train[k]["texture"], expected, atol=1e-6)
+)";
+    const std::string command = "/usr/bin/python3 " + (folder / "read.py") + " " +
+                                (folder / "dataset.h5") + " " + std::string(PLEAT_SOURCE_DIR) +
+                                "/scripts " + (folder / "textures");
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    std::ifstream stream(folder / "textures", std::ios::binary);
+    for (int64_t row = 0; row < dataset.row_count(); ++row) {
+      const Texture expected = dataset.texture(row);
+      std::vector<float> read(expected.values.size());
+      stream.read(reinterpret_cast<char*>(read.data()),
+                  static_cast<std::streamsize>(read.size() * sizeof(float)));
+      ASSERT_TRUE(stream.good());
+      for (size_t i = 0; i < read.size(); ++i) ASSERT_NEAR(read[i], expected.values[i], 1e-8);
+    }
+  }
+}
+
 // A dataset with one array changed by `spoil`.
 template <typename Spoil>
 std::string message_of(const Small& small, const Spoil& spoil) {
