@@ -9,6 +9,9 @@ if(PLEAT_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-omit-frame-pointer)
   add_link_options(-fsanitize=address,undefined)
 endif()
+if(PLEAT_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)
+endif()
 
 # pleat_library(core SOURCES a.cpp ... PUBLIC libs... PRIVATE libs...)
 # makes the static library pleat_core, known as pleat::core, with includes that start at the root.
