@@ -66,22 +66,26 @@ struct Cut {
   Points2 panels;
 };
 
-// Coarser by half in length, and so on; nothing where that is too coarse to stand for the garment.
-std::optional<Cut> coarser(const garment::Design& design, int vertex_count) {
+// With one vertex in `times`; nothing where that is too coarse to stand for the garment.
+std::optional<Cut> coarser(const garment::Design& design, int vertex_count, int times) {
   constexpr int kCoarsest = 600;
-  if (vertex_count < 4 * kCoarsest) return std::nullopt;
-  Cut cut{garment::make_topology(vertex_count / 4), {}};
+  if (vertex_count < times * kCoarsest) return std::nullopt;
+  Cut cut{garment::make_topology(vertex_count / times), {}};
   cut.panels = garment::cut_panels(cut.topology, design);
   return cut;
 }
 
-// For a tessellation that only has to show a finer one the way: it need not settle fully, and keeps
-// its layers so far apart that the finer one, laid on its surface, does not cross itself where it
-// cuts corners.
+// For a tessellation that only has to show a finer one the way: it need not settle fully.
 SimulationConfig sketching(SimulationConfig config) {
   config.solver.residual = std::max(config.solver.residual, 0.02);
-  config.solver.max_iterations = std::min(config.solver.max_iterations, 40);
+  config.solver.max_iterations = std::min(config.solver.max_iterations, 60);
   config.solver.must_be_stable = false;
+  return config;
+}
+
+// Layers so far apart that a finer tessellation, laid on the surface, does not cross itself where
+// it cuts corners.
+SimulationConfig far_apart(SimulationConfig config) {
   config.contact.distance_m *= 2;
   config.contact.stiffness_N_per_m3 /= 2;
   config.contact.layer_distance_m *= 4;
@@ -418,7 +422,7 @@ class Walk {
     }
     if (!coarse()) return nullptr;  // too coarse itself
     const Cut& cut = *coarse();
-    const SimulationConfig sketch = sketching(config);
+    const SimulationConfig sketch = far_apart(sketching(config));
     Chain drawn(
         cut.topology, cut.panels, model_, fabric_, sketch, [this] { return is_stopped(); }, mean,
         garment::resample(garment_.topology, garment_.t_pose, cut.topology));
@@ -430,7 +434,7 @@ class Walk {
   }
 
   const std::optional<Cut>& coarse() {
-    if (!has_coarse_) coarse_ = coarser(garment_.design, garment_.topology.vertex_count);
+    if (!has_coarse_) coarse_ = coarser(garment_.design, garment_.topology.vertex_count, 4);
     has_coarse_ = true;
     return coarse_;
   }
@@ -548,7 +552,7 @@ Chain chain_on_mean(const Cut& cut, const body::BodyModel& model, const garment:
 Points3 sewn(const Cut& cut, const garment::Design& design, const body::BodyModel& model,
              const garment::Fabric& fabric, const SimulationConfig& config,
              const std::function<bool()>& should_stop) {
-  const std::optional<Cut> coarse = coarser(design, cut.topology.vertex_count);
+  const std::optional<Cut> coarse = coarser(design, cut.topology.vertex_count, 2);
   if (!coarse)
     return garment::place_around_body(
         cut.topology, cut.panels, model,
