@@ -585,6 +585,17 @@ void Hdf5File::write_attribute(const std::string& object, const std::string& nam
   write_scalar_attribute(handle_, path_, object, name, H5T_STD_I64LE, H5T_NATIVE_INT64, &number);
 }
 
+void Hdf5File::mark_as_image(const std::string& name) {
+  for (const auto& [attribute, text] :
+       {std::pair<std::string, std::string>("CLASS", "IMAGE"),
+        std::pair<std::string, std::string>("IMAGE_VERSION", "1.2"),
+        std::pair<std::string, std::string>("IMAGE_SUBCLASS", "IMAGE_GRAYSCALE")}) {
+    const Id type(H5Tcopy(H5T_C_S1), H5Tclose);  // of fixed length, as the specification has it
+    H5Tset_size(type, text.size() + 1);
+    write_scalar_attribute(handle_, path_, name, attribute, type, type, text.c_str());
+  }
+}
+
 bool Hdf5File::has_attribute(const std::string& object, const std::string& name) const {
   keep_quiet();
   return has(object) && H5Aexists_by_name(handle_, object.c_str(), name.c_str(), H5P_DEFAULT) > 0;

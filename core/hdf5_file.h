@@ -118,6 +118,9 @@ class Hdf5File {
   void write_attribute(const std::string& object, const std::string& name, int number) {
     write_attribute(object, name, static_cast<int64_t>(number));
   }
+  // So that viewers show a two-dimensional array as a picture (HDF5 Image and Palette Specification
+  // 1.2).
+  void mark_as_image(const std::string& name);
   bool has_attribute(const std::string& object, const std::string& name) const;
   std::string text_attribute(const std::string& object, const std::string& name) const;
   double number_attribute(const std::string& object, const std::string& name) const;

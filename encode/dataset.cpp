@@ -449,6 +449,7 @@ DatasetWriter::DatasetWriter(const std::string& path, const DatasetContents& con
                        scale_m_ > 0 ? Hdf5Type::kInt16 : Hdf5Type::kFloat32, 1, gzip_level);
   file_.write_attribute("textures", "scale_m", scale_m_ > 0 ? scale_m_ : 1.0);
   file_.write("mask", contents.mask, {size, size});
+  file_.mark_as_image("mask");
   write_per_row(file_, contents);
   write_designs(file_, contents.garments);
   write_sequences(file_, contents.sequences);

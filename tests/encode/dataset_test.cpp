@@ -173,6 +173,7 @@ assert list(f["clip_key"].asstr()) == ["key0", "key1", "key2", "key3"]
 assert list(f["designs/names"].asstr()) == ["tee", "dress"]
 assert f["pose"].shape == (4, 24, 3) and f["pose"].dtype == np.float32
 assert f["designs/weights"].shape == (2, f["designs/vertices"].shape[1], 24)
+assert f["mask"].attrs["CLASS"] == b"IMAGE" and f["mask"].attrs["IMAGE_SUBCLASS"] == b"IMAGE_GRAYSCALE"
 found = []
 f.visititems(lambda name, item: found.append(name) if isinstance(item, h5py.Dataset) else None)
 for name in found:
