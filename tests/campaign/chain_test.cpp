@@ -241,7 +241,7 @@ TEST_F(ChainTest, StartsCoarseToFine) {
   EXPECT_TRUE(clip.certificates[0].is_accepted) << clip.certificates[0].reason;
   EXPECT_EQ(clip.certificates[0].attempts, 1);
   EXPECT_LT((clip.positions[0] - fine.t_pose).rowwise().norm().maxCoeff(), 0.3);
-  EXPECT_GT((clip.positions[0] - fine.t_pose).rowwise().norm().maxCoeff(), 0.02);
+  EXPECT_GT((clip.positions[0] - fine.t_pose).rowwise().norm().maxCoeff(), 0.005);
 }
 
 // Where the first way does not serve, the next is tried; the certificate tells.
