@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <cstdio>
 #include <filesystem>
 #include <numeric>
@@ -128,10 +129,9 @@ void bench_walk(const std::string& name, int vertices, int frames, const body::B
 // The tee settled in the T-pose from around the body.
 void bench_cold(const body::BodyModel& model, Report& report) {
   const garment::GarmentTopology topology = garment::make_topology(5000);
-  report.time("sim.cold_5k", 1, [&] {
-    sim::settle_garment({"tee", 0.35, 0.2, 0.3, false}, topology, model, {}, {});
-  });
-  report.add("sim.cold_5k.core_s", report.rows().back().value / 1000, "s");
+  const std::clock_t start = std::clock();  // of the processor
+  sim::settle_garment({"tee", 0.35, 0.2, 0.3, false}, topology, model, {}, {});
+  report.add("sim.cold_5k.core_s", static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, "s");
 }
 
 void bench_drapes(Report& report) {
