@@ -10,6 +10,7 @@
 #include "core/hdf5_file.h"
 #include "core/progress.h"
 #include "core/random.h"
+#include "garment/checked_arrays.h"
 #include "garment/clip.h"
 #include "garment/garment_file.h"
 
@@ -63,7 +64,8 @@ bool is_same(const garment::Clip& again, const garment::Clip& shard, int t) {
 
 std::vector<Piece> pieces_of_chain(const std::string& path, int chain) {
   const Hdf5File file = Hdf5File::open(path);
-  const int frames = static_cast<int>(file.dims("positions").at(0));
+  const int frames =
+      static_cast<int>(garment::checked_dims(file, "positions", {-1, -1, 3}).front());
   std::vector<int> starts = file.read<int>("states/frame");
   starts.insert(starts.begin(), 0);
   starts.push_back(frames);

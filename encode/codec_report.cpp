@@ -263,13 +263,17 @@ nlohmann::json to_json(const CodecErrors& errors) {
 
 std::string to_markdown(const CodecReport& report) {
   int64_t frames = 0;
-  for (const int64_t count : report.frames) frames += count;
+  int designs = 0;
+  for (const int64_t count : report.frames) {
+    frames += count;
+    designs += count > 0;
+  }
   ErrorSummary unposing;
   for (const ErrorSummary& design : report.unposing_mm) unposing.add(design);
   const double worst =
       report.worst_unposed.empty() ? 1 : report.worst_unposed.front().smallest_singular_value;
   std::string text =
-      std::to_string(frames) + " frames of " + std::to_string(report.designs.size()) +
+      std::to_string(frames) + " frames of " + std::to_string(designs) +
       " designs, " + std::to_string(report.vertices) +
       " vertices. Errors of vertices in the posed world, mm: mean / 99th percentile / largest; "
       "of face normals, degrees: mean / 99th percentile. Unposing and posing again: " +

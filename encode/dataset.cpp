@@ -347,6 +347,11 @@ std::vector<DatasetRow> read_rows_of(const Hdf5File& file, int64_t count, int64_
     row.previous = previous[i];
     row.split = static_cast<Split>(split[i]);
     const float* numbers = certificate.data() + i * kCertificateColumns;
+    for (int k = 5; k < kCertificateColumns; ++k)
+      if (!(numbers[k] >= 0 && numbers[k] < 1e9))
+        refuse(file, "certificate",
+               "of row " + std::to_string(i) + " counts " + std::to_string(numbers[k]) +
+                   " intersections");
     row.certificate.residual = numbers[0];
     row.certificate.is_stable = numbers[1] != 0;
     row.certificate.min_gap_m = numbers[2];

@@ -301,8 +301,8 @@ Clip read_clip_frames(const std::string& path, int first, int count) {
 }
 
 Clip read_clip(const std::string& path) {
-  const int frames = static_cast<int>(Hdf5File::open(path).dims("positions").at(0));
-  return read_clip_frames(path, 0, frames);
+  const int64_t frames = checked_dims(Hdf5File::open(path), "positions", {-1, -1, 3})[0];
+  return read_clip_frames(path, 0, static_cast<int>(std::min<int64_t>(frames, 1 << 30)));
 }
 
 Clip read_clip_head(const std::string& path) { return read_head(Hdf5File::open(path)); }

@@ -286,6 +286,8 @@ TEST(Dataset, NamesTheArrayThatIsWrong) {
               testing::HasSubstr("sequence_index"));
   EXPECT_THAT(with([](DatasetContents& c) { c.rows[1].pose.translation[0] = std::nan(""); }),
               testing::HasSubstr("translation"));
+  EXPECT_THAT(with([](DatasetContents& c) { c.rows[1].certificate.self_intersections = -1; }),
+              testing::HasSubstr("certificate"));
   EXPECT_THAT(with([](DatasetContents& c) { c.normalisation.std[1] = 0; }),
               testing::HasSubstr("normalisation/std"));
   EXPECT_THAT(with([](DatasetContents& c) { c.garments[0].topology.sewn_vertex[3] = 100000; }),

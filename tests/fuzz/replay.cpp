@@ -1,4 +1,5 @@
-// Runs a fuzz target over the files of a folder: what it once found stays mended, with any compiler.
+// Runs a fuzz target over the files of a folder: what it once found stays mended, with any
+// compiler.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
