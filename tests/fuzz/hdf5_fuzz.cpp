@@ -48,7 +48,7 @@ void change_values(hid_t file, const std::string& name, Reader& input) {
   const hid_t array = H5Dopen2(file, name.c_str(), H5P_DEFAULT), type = H5Dget_type(array),
               space = H5Dget_space(array);
   const hssize_t count = H5Sget_simple_extent_npoints(space);
-  if (count < (1 << 20) && H5Tget_class(type) != H5T_STRING && H5Tget_class(type) != H5T_VLEN) {
+  if (count < (1 << 16) && H5Tget_class(type) != H5T_STRING && H5Tget_class(type) != H5T_VLEN) {
     std::vector<uint8_t> values(static_cast<size_t>(count) * H5Tget_size(type));
     if (!values.empty() &&
         H5Dread(array, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0) {
