@@ -1,21 +1,21 @@
 #include "app/codec_commands.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "app/exit_codes.h"
 #include "app/pipeline.h"
 #include "app/yaml_reader.h"
 #include "body/body_file.h"
-#include "campaign/folder.h"
 #include "campaign/verify.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/mesh_file.h"
 #include "core/profile.h"
-#include "core/progress.h"
 #include "encode/codec_report.h"
 #include "encode/dataset.h"
 #include "encode/mesh_decoder.h"
@@ -34,7 +34,7 @@ struct ReportRequest {
   int64_t frames = 1000;
 };
 
-// Each frame as simulated, unposed, and posed again from its texture.
+// Each frame as simulated and as unposed, from the front and from the side.
 show::Image unposing_picture(const std::vector<encode::UnposedFrame>& frames,
                              const encode::DatasetInputs& inputs, encode::Skinning skinning) {
   const std::vector<garment::Garment> garments = encode::read_garments(inputs.garment_files);

@@ -33,7 +33,8 @@ std::vector<Place> places(const DatasetInputs& inputs, int64_t max_frames) {
   const int64_t count = static_cast<int64_t>(all.size());
   if (max_frames <= 0 || count <= max_frames) return all;
   std::vector<Place> spread;
-  for (int64_t i = 0; i < max_frames; ++i) spread.push_back(all[(2 * i + 1) * count / (2 * max_frames)]);
+  for (int64_t i = 0; i < max_frames; ++i)
+    spread.push_back(all[(2 * i + 1) * count / (2 * max_frames)]);
   return spread;
 }
 
@@ -125,7 +126,6 @@ void CodecErrors::add(const CodecErrors& other) {
   total_mm.add(other.total_mm);
   normals_deg.add(other.normals_deg);
   finer_mm.add(other.finer_mm);
-  scale_m = other.scale_m;
 }
 
 CodecErrors CodecVariant::all() const {
@@ -155,7 +155,7 @@ CodecReport codec_report(const DatasetInputs& inputs, const CodecReportConfig& c
       variants.push_back({TextureEncoder(topology, layout, fill),
                           MeshDecoder(topology, size, layout.mask, layout_mesh(finer)),
                           0,
-                          {size, fill, std::vector<CodecErrors>(garments.size())}});
+                          {size, fill, 0, std::vector<CodecErrors>(garments.size())}});
   }
   std::vector<garment::Garment> worn_finer;  // the same for every variant
   for (const garment::Garment& garment : garments)
@@ -186,14 +186,14 @@ CodecReport codec_report(const DatasetInputs& inputs, const CodecReportConfig& c
     const Points3 surface = variants.front().finer.at_vertices(drape.posed);
     for (Variant& variant : variants) {
       CodecErrors& errors = variant.result.designs[static_cast<size_t>(drape.design)];
-      errors.scale_m = fixed_point_scale(static_cast<double>(variant.largest));
+      const double scale_m = variant.result.scale_m;
       const auto posed = [&](const Texture& texture) {
         return pose(garment, decode_texture(texture, topology, variant.encoder.reads()),
                     drape.transforms, config.skinning);
       };
       const Texture texture = variant.encoder.encode(drape.offsets);
       const Texture stored =
-          from_fixed_point(to_fixed_point(texture, errors.scale_m), texture.size, errors.scale_m);
+          from_fixed_point(to_fixed_point(texture, scale_m), texture.size, scale_m);
       const Points3 from_float = posed(texture), decoded = posed(stored);
       add_all(errors.texture_mm, vertex_distances_mm(from_float, drape.posed));
       add_all(errors.quantisation_mm, vertex_distances_mm(decoded, from_float));
@@ -211,10 +211,13 @@ CodecReport codec_report(const DatasetInputs& inputs, const CodecReportConfig& c
       for (const float value : variant.encoder.encode(drape.offsets).values)
         variant.largest = std::max(variant.largest, std::abs(value));
   };
-  report.is_interrupted = !for_each_drape(inputs, frames, garments, model, config.skinning,
-                                          progress, "range", survey) ||
-                          !for_each_drape(inputs, frames, garments, model, config.skinning,
-                                          progress, "errors", measure);
+  const auto run = [&](const std::string& what, const auto& action) {
+    return for_each_drape(inputs, frames, garments, model, config.skinning, progress, what, action);
+  };
+  report.is_interrupted = !run("range", survey);
+  for (Variant& variant : variants)
+    variant.result.scale_m = fixed_point_scale(static_cast<double>(variant.largest));
+  report.is_interrupted = report.is_interrupted || !run("errors", measure);
   std::stable_sort(report.worst_unposed.begin(), report.worst_unposed.end(),
                    [](const UnposedFrame& a, const UnposedFrame& b) {
                      return a.smallest_singular_value < b.smallest_singular_value;
@@ -251,8 +254,7 @@ nlohmann::json to_json(const ErrorSummary& errors) {
 }
 
 nlohmann::json to_json(const CodecErrors& errors) {
-  return {{"scale_m", errors.scale_m},
-          {"texture_mm", to_json(errors.texture_mm)},
+  return {{"texture_mm", to_json(errors.texture_mm)},
           {"quantisation_mm", to_json(errors.quantisation_mm)},
           {"total_mm", to_json(errors.total_mm)},
           {"normals_deg", to_json(errors.normals_deg)},
@@ -273,8 +275,8 @@ std::string to_markdown(const CodecReport& report) {
   const double worst =
       report.worst_unposed.empty() ? 1 : report.worst_unposed.front().smallest_singular_value;
   std::string text =
-      std::to_string(frames) + " frames of " + std::to_string(designs) +
-      " designs, " + std::to_string(report.vertices) +
+      std::to_string(frames) + " frames of " + std::to_string(designs) + " designs, " +
+      std::to_string(report.vertices) +
       " vertices. Errors of vertices in the posed world, mm: mean / 99th percentile / largest; "
       "of face normals, degrees: mean / 99th percentile. Unposing and posing again: " +
       numbers(unposing) + " mm; the smallest singular value of a blended transform is " +
@@ -324,6 +326,7 @@ std::string to_json(const CodecReport& report) {
                                {"unposing_mm", to_json(report.unposing_mm[d])}});
   for (const CodecVariant& variant : report.variants) {
     nlohmann::json row = {{"texture_size", variant.texture_size},
+                          {"scale_m", variant.scale_m},
                           {"fill", fill_name(variant.fill)}};
     row["all"] = to_json(variant.all());
     for (size_t d = 0; d < report.designs.size(); ++d)

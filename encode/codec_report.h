@@ -1,7 +1,6 @@
 // What the representation costs, in millimetres: docs/codec.md.
 #pragma once
 
-#include <map>
 #include <string>
 #include <vector>
 
@@ -28,13 +27,13 @@ struct CodecErrors {
   ErrorSummary normals_deg;      // of the same, between face normals
   // The finer tessellation decoded from int16, against the simulated surface at its vertices.
   ErrorSummary finer_mm;
-  double scale_m = 0;  // of int16
   void add(const CodecErrors& other);
 };
 
 struct CodecVariant {
   int texture_size = 128;
   Fill fill = Fill::kFitted;
+  double scale_m = 0;                // of int16, over all designs
   std::vector<CodecErrors> designs;  // in the garments' order
   CodecErrors all() const;
 };

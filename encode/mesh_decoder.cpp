@@ -34,18 +34,21 @@ MeshDecoder::MeshDecoder(const garment::GarmentTopology& topology, int texture_s
   weights_ = places.barycentrics;
 }
 
-Eigen::MatrixXd MeshDecoder::at_vertices(const Eigen::Ref<const Eigen::MatrixXd>& values) const {
-  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(vertex_count_, values.cols());
-  for (const auto& [vertex, uv] : corners_)
-    for (int c = 0; c < 3; ++c) sums.row(vertex) += weights_(uv, c) * values.row(places_(uv, c));
+Eigen::MatrixXd MeshDecoder::joined(const Eigen::Ref<const Eigen::MatrixXd>& at_uvs) const {
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(vertex_count_, at_uvs.cols());
+  for (const auto& [vertex, uv] : corners_) sums.row(vertex) += at_uvs.row(uv);
   return sums.array().colwise() / corner_count_.array();
 }
 
+Eigen::MatrixXd MeshDecoder::at_vertices(const Eigen::Ref<const Eigen::MatrixXd>& values) const {
+  Eigen::MatrixXd at_uvs = Eigen::MatrixXd::Zero(places_.rows(), values.cols());
+  for (Eigen::Index uv = 0; uv < places_.rows(); ++uv)
+    for (int c = 0; c < 3; ++c) at_uvs.row(uv) += weights_(uv, c) * values.row(places_(uv, c));
+  return joined(at_uvs);
+}
+
 Points3 MeshDecoder::offsets(const Texture& texture) const {
-  const Points3 read = read_texture(texture, reads_);
-  Points3 sums = Points3::Zero(vertex_count_, 3);
-  for (const auto& [vertex, uv] : corners_) sums.row(vertex) += read.row(uv);
-  return sums.array().colwise() / corner_count_.array();
+  return joined(read_texture(texture, reads_));
 }
 
 garment::Garment MeshDecoder::worn(const garment::Garment& garment) const {

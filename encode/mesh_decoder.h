@@ -2,6 +2,10 @@
 // our layout. The texture, the template and the skin weights are all functions on the layout.
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <vector>
+
 #include "body/skinning.h"
 #include "core/mesh.h"
 #include "encode/texture.h"
@@ -28,13 +32,15 @@ class MeshDecoder {
   garment::Garment worn(const garment::Garment& garment) const;
 
  private:
+  // Of values at the UVs, the mean at each vertex: seams agree from both sides.
+  Eigen::MatrixXd joined(const Eigen::Ref<const Eigen::MatrixXd>& at_uvs) const;
+
   int vertex_count_ = 0;
   std::vector<std::array<int, 2>> corners_;  // vertex and UV of it, each pair once
   Eigen::VectorXd corner_count_;             // of each vertex
-  Points2 uv_;
-  TexelReads reads_;  // at the UVs
-  Faces places_;      // sewn vertices around each UV,
-  Points3 weights_;   // and their shares
+  TexelReads reads_;                         // at the UVs
+  Faces places_;                             // sewn vertices around each UV,
+  Points3 weights_;                          // and their shares
 };
 
 }  // namespace pleat::encode

@@ -66,10 +66,13 @@ struct Cut {
   Points2 panels;
 };
 
-// With one vertex in `times`; nothing where that is too coarse to stand for the garment.
-std::optional<Cut> coarser(const garment::Design& design, int vertex_count, int times) {
+// Whether one vertex in `times` is enough to stand for the garment.
+bool has_coarser(int vertex_count, int times) {
   constexpr int kCoarsest = 600;
-  if (vertex_count < times * kCoarsest) return std::nullopt;
+  return vertex_count >= times * kCoarsest;
+}
+
+Cut coarser(const garment::Design& design, int vertex_count, int times) {
   Cut cut{garment::make_topology(vertex_count / times), {}};
   cut.panels = garment::cut_panels(cut.topology, design);
   return cut;
@@ -348,7 +351,7 @@ class Walk {
     was_stopped_ = false;
     std::optional<garment::ClipState> before;
     if (t > 0) before = chain_->state(t, is_sound_);
-    std::vector<Way> ways = {coarse() ? Way::kRefined : Way::kAnew, Way::kAnew};
+    std::vector<Way> ways = {has_coarse() ? Way::kRefined : Way::kAnew, Way::kAnew};
     if (t > 0) ways = {Way::kOn, Way::kPatient, Way::kRefined, Way::kAnew};
     const int most = is_sound_ ? 1 + config_.retries : 1;
     garment::Certificate certificate;
@@ -420,8 +423,8 @@ class Walk {
       ease_in(*chain, wearer(t));
       return chain;
     }
-    if (!coarse()) return nullptr;  // too coarse itself
-    const Cut& cut = *coarse();
+    if (!has_coarse()) return nullptr;
+    const Cut& cut = coarse();
     const SimulationConfig sketch = far_apart(sketching(config));
     Chain drawn(
         cut.topology, cut.panels, model_, fabric_, sketch, [this] { return is_stopped(); }, mean,
@@ -433,10 +436,11 @@ class Walk {
     return chain->is_free() ? std::move(chain) : nullptr;
   }
 
-  const std::optional<Cut>& coarse() {
-    if (!has_coarse_) coarse_ = coarser(garment_.design, garment_.topology.vertex_count, 4);
-    has_coarse_ = true;
-    return coarse_;
+  static constexpr int kTimesCoarser = 4;
+  bool has_coarse() const { return has_coarser(garment_.topology.vertex_count, kTimesCoarser); }
+  const Cut& coarse() {
+    if (!coarse_) coarse_ = coarser(garment_.design, garment_.topology.vertex_count, kTimesCoarser);
+    return *coarse_;
   }
 
   garment::Certificate try_frame(Chain& chain, int t) {
@@ -458,8 +462,7 @@ class Walk {
   const SimulationConfig& config_;
   const Supervision& supervision_;
   std::unique_ptr<Chain> chain_;
-  std::optional<Cut> coarse_;
-  bool has_coarse_ = false;  // or is known to have none
+  std::optional<Cut> coarse_;  // made where it is first needed
   bool is_sound_ = true;
   double start_ = 0;  // of the frame, processor seconds
   bool was_stopped_ = false;
@@ -548,20 +551,22 @@ Chain chain_on_mean(const Cut& cut, const body::BodyModel& model, const garment:
                {Eigen::VectorXd::Zero(model.shape_directions.size()), body::Pose{}}, positions);
 }
 
+constexpr int kTimesCoarserSewn = 2;
+
 // Where settling starts: around the body, or, settled there, a coarser tessellation.
 Points3 sewn(const Cut& cut, const garment::Design& design, const body::BodyModel& model,
              const garment::Fabric& fabric, const SimulationConfig& config,
              const std::function<bool()>& should_stop) {
-  const std::optional<Cut> coarse = coarser(design, cut.topology.vertex_count, 2);
-  if (!coarse)
+  if (!has_coarser(cut.topology.vertex_count, kTimesCoarserSewn))
     return garment::place_around_body(
         cut.topology, cut.panels, model,
         body::shape_body(model, Eigen::VectorXd::Zero(model.shape_directions.size())));
+  const Cut coarse = coarser(design, cut.topology.vertex_count, kTimesCoarserSewn);
   const SimulationConfig sketch = sketching(config);
-  Chain chain = chain_on_mean(*coarse, model, fabric, sketch, should_stop,
-                              sewn(*coarse, design, model, fabric, config, should_stop));
+  Chain chain = chain_on_mean(coarse, model, fabric, sketch, should_stop,
+                              sewn(coarse, design, model, fabric, config, should_stop));
   chain.settle(sketch.solver);
-  return garment::resample(coarse->topology, chain.positions(), cut.topology);
+  return garment::resample(coarse.topology, chain.positions(), cut.topology);
 }
 
 }  // namespace
@@ -580,6 +585,8 @@ garment::Garment settle_garment(const garment::Design& design,
   const Cut cut{topology, garment.panels};
   garment::Certificate certificate;
   for (const bool is_coarse_first : {true, false}) {
+    if (is_coarse_first && !has_coarser(topology.vertex_count, kTimesCoarserSewn)) continue;
+    if (should_stop && should_stop()) break;
     const Points3 start = is_coarse_first
                               ? sewn(cut, design, model, fabric, config, should_stop)
                               : garment::place_around_body(topology, garment.panels, model, shaped);

@@ -87,7 +87,7 @@ TEST(CodecReport, MeasuresEveryPartOfTheRoundTrip) {
     EXPECT_EQ(all.finer_mm.count(), 5 * report.finer_vertices);
     // Of a read of texels that are each off by half a step at most.
     EXPECT_GT(all.quantisation_mm.max(), 0);
-    EXPECT_LE(all.quantisation_mm.max(), 1000 * all.scale_m * 0.5 * std::sqrt(3.0) * 1.2);
+    EXPECT_LE(all.quantisation_mm.max(), 1000 * variant.scale_m * 0.5 * std::sqrt(3.0) * 1.2);
     EXPECT_LE(all.total_mm.mean(), all.texture_mm.mean() + all.quantisation_mm.mean() + 1e-12);
     EXPECT_GT(all.normals_deg.mean(), 0);
     EXPECT_LT(all.normals_deg.mean(), 30);

@@ -63,7 +63,7 @@ TEST(Resample, OntoItselfIsTheSame) {
   EXPECT_LT((resample(fine(), values, fine()) - values).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-// Down and up again, a smooth field over the layout comes back to second order.
+// Exactly, where no seam is near.
 TEST(Resample, KeepsALinearField) {
   Points3 ones = Points3::Ones(coarse().vertex_count, 3);
   EXPECT_LT((resample(coarse(), ones, fine()) - Points3::Ones(fine().vertex_count, 3))
