@@ -1,5 +1,6 @@
 #include "core/profile.h"
 
+#include <dlfcn.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -15,6 +16,16 @@ constexpr const char* kVariable = "PLEAT_PROFILE";
 // pow, sin, cos, tan, atan with these.
 constexpr const char* kTunables = "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F";
 constexpr const char* kCore = "Prescott";
+constexpr const char* kCoreVariable = "OPENBLAS_CORETYPE";
+
+// OpenBLAS has its slowest code for processors that are newer than itself. Names the core whose
+// code suits this one instead; null where OpenBLAS knew, or was told by the user.
+const char* core_to_name() {
+  if (std::getenv(kCoreVariable)) return nullptr;
+  const auto core = reinterpret_cast<char* (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_corename"));
+  if (!core || std::strcmp(core(), kCore) != 0) return nullptr;
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? "Haswell" : nullptr;
+}
 
 }  // namespace
 
@@ -26,15 +37,18 @@ std::string current_profile() {
 }
 
 void enter_profile(const std::string& name, char** argv) {
-  if (name == current_profile()) return;
-  if (name == "portable") {
+  if (name == current_profile()) {
+    const char* core = name == "native" ? core_to_name() : nullptr;
+    if (!core) return;
+    setenv(kCoreVariable, core, 1);
+  } else if (name == "portable") {
     setenv(kVariable, "portable", 1);
     setenv("GLIBC_TUNABLES", kTunables, 1);
-    setenv("OPENBLAS_CORETYPE", kCore, 1);
+    setenv(kCoreVariable, kCore, 1);
   } else {
     unsetenv(kVariable);
     unsetenv("GLIBC_TUNABLES");
-    unsetenv("OPENBLAS_CORETYPE");
+    unsetenv(kCoreVariable);
   }
   ::execv("/proc/self/exe", argv);  // returns only where it fails
   throw std::runtime_error(std::string("cannot start again for `profile: ") + name +

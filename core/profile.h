@@ -12,7 +12,8 @@ namespace pleat {
 
 bool is_profile(const std::string& name);
 std::string current_profile();
-// Starts the program anew in the other profile, where it is not in this one. argv: of main.
+// Starts the program anew in the other profile, where it is not in this one; in the native one too
+// where OpenBLAS has to be told what this processor can do. argv: of main.
 void enter_profile(const std::string& name, char** argv);
 
 }  // namespace pleat

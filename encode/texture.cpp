@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "garment/resample.h"
 
 namespace pleat::encode {
 namespace {
@@ -95,21 +96,9 @@ Points3 read_texture(const Texture& texture, const TexelReads& reads) {
   return values;
 }
 
-Points3 sew(const garment::GarmentTopology& topology,
-            const Eigen::Ref<const Points3>& panel_values) {
-  Points3 sewn = Points3::Zero(topology.vertex_count, 3);
-  Eigen::VectorXd count = Eigen::VectorXd::Zero(topology.vertex_count);
-  for (Eigen::Index i = 0; i < panel_values.rows(); ++i) {
-    sewn.row(topology.sewn_vertex[i]) += panel_values.row(i);
-    count[topology.sewn_vertex[i]] += 1;
-  }
-  for (int v = 0; v < topology.vertex_count; ++v) sewn.row(v) /= std::max(1.0, count[v]);
-  return sewn;
-}
-
 Points3 decode_texture(const Texture& texture, const garment::GarmentTopology& topology,
                        const TexelReads& reads) {
-  return sew(topology, read_texture(texture, reads));
+  return garment::sew(topology, read_texture(texture, reads));
 }
 
 Fill parse_fill(const std::string& name) {

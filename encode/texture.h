@@ -35,10 +35,6 @@ TexelReads bilinear_reads(const Eigen::Ref<const Points2>& uv, int size,
 
 Points3 read_texture(const Texture& texture, const TexelReads& reads);  // #reads x 3, m
 
-// One value a sewn vertex: the mean over its panel vertices, so that both sides of a seam agree.
-Points3 sew(const garment::GarmentTopology& topology,
-            const Eigen::Ref<const Points3>& panel_values);
-
 // Texture -> offsets of the sewn vertices, m. reads: at topology.uv.
 Points3 decode_texture(const Texture& texture, const garment::GarmentTopology& topology,
                        const TexelReads& reads);

@@ -5,9 +5,9 @@
 
 namespace pleat::garment {
 
-// Skin weights of the garment: those of the nearest body points in the T-pose, smoothed along the
-// cloth, more so the farther the cloth hangs from the body, so that a skirt does not tear between
-// the legs.
+// Skin weights of the garment: those of the skin around it in the T-pose, averaged through space
+// and then smoothed along the cloth, both more so the farther the cloth hangs from the body, so
+// that a skirt does not tear between the legs.
 SkinWeights garment_weights(const Eigen::Ref<const Points3>& t_pose, const Faces& faces,
                             const body::BodyModel& model, const body::ShapedBody& body);
 

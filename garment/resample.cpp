@@ -21,18 +21,24 @@ PanelPlaces locate(const GarmentTopology& topology, const Eigen::Ref<const Point
   return places;
 }
 
+Points3 sew(const GarmentTopology& topology, const Eigen::Ref<const Points3>& panel_values) {
+  Points3 sewn = Points3::Zero(topology.vertex_count, 3);
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(topology.vertex_count);
+  for (Eigen::Index i = 0; i < panel_values.rows(); ++i) {
+    sewn.row(topology.sewn_vertex[i]) += panel_values.row(i);
+    count[topology.sewn_vertex[i]] += 1;
+  }
+  return sewn.array().colwise() / count.array();
+}
+
 Points3 resample(const GarmentTopology& from, const Eigen::Ref<const Points3>& values,
                  const GarmentTopology& to) {
   const PanelPlaces places = locate(from, to.uv);
-  Points3 sums = Points3::Zero(to.vertex_count, 3);
-  Eigen::VectorXd counts = Eigen::VectorXd::Zero(to.vertex_count);
-  for (Eigen::Index i = 0; i < to.uv.rows(); ++i) {
-    const auto corners = from.faces.row(places.faces[i]);
+  Points3 panel_values = Points3::Zero(to.uv.rows(), 3);
+  for (Eigen::Index i = 0; i < to.uv.rows(); ++i)
     for (int c = 0; c < 3; ++c)
-      sums.row(to.sewn_vertex[i]) += places.barycentrics(i, c) * values.row(corners[c]);
-    counts[to.sewn_vertex[i]] += 1;
-  }
-  return sums.array().colwise() / counts.array();
+      panel_values.row(i) += places.barycentrics(i, c) * values.row(from.faces(places.faces[i], c));
+  return sew(to, panel_values);
 }
 
 }  // namespace pleat::garment

@@ -17,6 +17,9 @@ struct PanelPlaces {
 // place of its panel.
 PanelPlaces locate(const GarmentTopology& topology, const Eigen::Ref<const Points2>& uv);
 
+// One value a sewn vertex: the mean over its panel vertices, so that both sides of a seam agree.
+Points3 sew(const GarmentTopology& topology, const Eigen::Ref<const Points3>& panel_values);
+
 // Values of the sewn vertices of `from`, positions say, at those of `to`: linear on each face.
 Points3 resample(const GarmentTopology& from, const Eigen::Ref<const Points3>& values,
                  const GarmentTopology& to);

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "encode/error_summary.h"
+#include "garment/resample.h"
 #include "tests/encode/synthetic.h"
 
 namespace pleat::encode {
@@ -92,7 +93,7 @@ TEST(Texture, SewingAveragesThePanelVertices) {
   Points3 values = Points3::Zero(topology.uv.rows(), 3);
   const int back = 25;  // first vertex of the back panel, sewn to the front's right side
   values.row(back) << 2, 4, 6;
-  EXPECT_EQ(sew(topology, values).row(topology.sewn_vertex[back]), Eigen::RowVector3d(1, 2, 3));
+  EXPECT_EQ(garment::sew(topology, values).row(topology.sewn_vertex[back]), Eigen::RowVector3d(1, 2, 3));
 }
 
 TEST_P(BothFills, DecodingIgnoresWhatIsOutsideTheMask) {
