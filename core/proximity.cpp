@@ -189,12 +189,13 @@ SweptTree::SweptTree(const SurfaceTree& surface) : faces_(surface.faces()) {
   if (faces_.rows() == 0) return;
   const Tree& tree = surface.impl_->tree;
   nodes_.resize(tree.getNumBVs());
+  is_marked_.assign(nodes_.size(), 1);
   for (size_t i = 0; i < nodes_.size(); ++i) {
     const FclNode& leaf = tree.getBV(static_cast<int>(i));
     nodes_[i].child = leaf.isLeaf() ? -1 : leaf.leftChild();
     nodes_[i].face = leaf.isLeaf() ? leaf.primitiveId() : -1;
-    assert(leaf.isLeaf() || (leaf.leftChild() > static_cast<int>(i) &&
-                             leaf.rightChild() == leaf.leftChild() + 1));
+    assert(leaf.isLeaf() ||
+           (leaf.leftChild() > static_cast<int>(i) && leaf.rightChild() == leaf.leftChild() + 1));
   }
 }
 
@@ -244,6 +245,14 @@ void SweptTree::refit(const Eigen::Ref<const Points3>& vertices, const Eigen::Ve
   }
 }
 
+void SweptTree::mark(const std::vector<char>& faces) {
+  for (int i = static_cast<int>(nodes_.size()) - 1; i >= 0; --i) {
+    const Node& node = nodes_[i];
+    is_marked_[i] = node.child >= 0 ? is_marked_[node.child] || is_marked_[node.child + 1]
+                                    : faces.empty() || faces[node.face];
+  }
+}
+
 // Along each axis: the smallest and the largest difference of a point of one and one of the other,
 // at any time.
 template <bool kMoves>
@@ -273,6 +282,7 @@ void SweptTree::descend(const SweptTree& other, Pairs& pairs) const {
     const auto [i, j] = stack.back();
     stack.pop_back();
     const Node &left = nodes_[i], &right = other.nodes_[j];
+    if (!is_marked_[i] && !other.is_marked_[j]) continue;
     if (this == &other && i == j) {
       if (left.child < 0) continue;
       stack.push_back({left.child, left.child + 1});

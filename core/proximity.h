@@ -46,16 +46,18 @@ class SurfaceTree {
   std::unique_ptr<Impl> impl_;
 };
 
-// Boxes around the faces of a surface whose vertices are somewhere near or on the move, over the tree
-// that FCL built for it.
+// Boxes around the faces of a surface whose vertices are somewhere near or on the move, over the
+// tree that FCL built for it.
 class SweptTree {
  public:
   explicit SweptTree(const SurfaceTree& surface);
 
-  // Vertex v lies within reach[v] (m) of a point that runs straight from row v of `vertices` to row v
-  // of vertices + motion. An empty motion: all stay.
+  // Vertex v lies within reach[v] (m) of a point that runs straight from row v of `vertices` to row
+  // v of vertices + motion. An empty motion: all stay.
   void refit(const Eigen::Ref<const Points3>& vertices, const Eigen::VectorXd& reach,
              const Points3& motion);
+  // Pairs of faces neither of which is marked are of no interest. Empty: all are, as at first.
+  void mark(const std::vector<char>& faces);
 
  private:
   friend std::vector<std::array<int, 2>> meeting_faces(const SweptTree&, const SweptTree&);
@@ -78,10 +80,12 @@ class SweptTree {
   Faces faces_;
   std::vector<Node> nodes_;
   std::vector<Motion> motions_;  // of each node; empty where all stay
+  std::vector<char> is_marked_;  // of each node: whether a face below it is
 };
 
 // Pairs (face of a, face of b) that may meet while all vertices run through their motions at the
-// same pace; all pairs that do are among them. In an order that depends on the trees only.
+// same pace, at least one of them marked; all pairs that do are among them. In an order that
+// depends on the trees only.
 std::vector<std::array<int, 2>> meeting_faces(const SweptTree& a, const SweptTree& b);
 // Pairs within one surface, each once, neighbours included.
 std::vector<std::array<int, 2>> meeting_faces(const SweptTree& a);

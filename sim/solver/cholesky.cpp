@@ -10,6 +10,21 @@
 #include <stdexcept>
 #include <vector>
 
+// BLAS and LAPACK, matrices by columns.
+extern "C" {
+void sgemm_(const char*, const char*, const int*, const int*, const int*, const float*,
+            const float*, const int*, const float*, const int*, const float*, float*, const int*);
+void ssyrk_(const char*, const char*, const int*, const int*, const float*, const float*,
+            const int*, const float*, float*, const int*);
+void strsm_(const char*, const char*, const char*, const char*, const int*, const int*,
+            const float*, const float*, const int*, float*, const int*);
+void sgemv_(const char*, const int*, const int*, const float*, const float*, const int*,
+            const float*, const int*, const float*, float*, const int*);
+void strsv_(const char*, const char*, const char*, const int*, const float*, const int*, float*,
+            const int*);
+void spotrf_(const char*, const int*, float*, const int*, int*);
+}
+
 namespace pleat::sim {
 namespace {
 
@@ -37,13 +52,24 @@ class SingleThread {
 
 }  // namespace
 
+// Columns first .. first + columns of the factor: dense, by columns, as high as `rows` are many,
+// the first of which are those columns; from `start` on in the factor's numbers.
+struct Supernode {
+  int first, columns, height;
+  const int* rows;
+  int start;
+};
+
 struct Cholesky::Impl {
   cholmod_common common;
   cholmod_sparse* matrix = nullptr;  // lower triangle, column-compressed
   cholmod_factor* factor = nullptr;
   std::vector<int> order;               // vertices as they are eliminated
   std::vector<int> block_start, block;  // pattern: each vertex's own block and those right of it
-  std::vector<float> rough;             // the factor's numbers in single precision
+  // In single precision, over CHOLMOD's supernodes: the numbers, empty where there is no such
+  // factor, which supernode each column is in, and where each vertex's first unknown is eliminated.
+  std::vector<float> rough;
+  std::vector<int> supernode, place;
   mutable Eigen::VectorXf work, gathered;
 
   Impl() {
@@ -103,22 +129,19 @@ struct Cholesky::Impl {
     start[unknowns] = count;
   }
 
-  // False where the pattern has no place for some block.
-  bool fill_values(const BlockMatrix& from, const Eigen::VectorXd& shift) {
+  void fill_values(const BlockMatrix& from, const Eigen::VectorXd& shift) {
     double* values = static_cast<double*>(matrix->x);
     std::fill(values, values + matrix->nzmax, 0.0);
     for (int j = 0; j < from.rows(); ++j) {
       int k = block_start[j];
-      for (int b = from.diagonal[j]; b < from.row_start[j + 1]; ++b, ++k) {
-        while (k < block_start[j + 1] && block[k] != from.column[b]) ++k;
-        if (k == block_start[j + 1]) return false;
+      for (int b = from.diagonal[j]; b < from.row_start[j + 1]; ++b) {
+        while (block[k] != from.column[b]) ++k;
         for (int c = 0; c < 3; ++c)
           for (int r = block[k] == j ? c : 0; r < 3; ++r)
             values[entry(j, c, k, r)] = from.values[9 * b + 3 * c + r];
       }
       for (int c = 0; c < 3; ++c) values[entry(j, c, block_start[j], c)] += shift[j];
     }
-    return true;
   }
 
   // Fill-reducing order of the vertices.
@@ -159,6 +182,121 @@ struct Cholesky::Impl {
     rough.clear();
     require_memory();
     if (!factor) throw std::runtime_error("CHOLMOD could not analyse the pattern");
+    const int unknowns = static_cast<int>(factor->n);
+    const int* permutation = static_cast<const int*>(factor->Perm);
+    place.resize(unknowns / 3);
+    for (int p = 0; p < unknowns; p += 3) {
+      place[permutation[p] / 3] = p;
+      for (int c = 0; c < 3; ++c)
+        if (permutation[p + c] != 3 * (permutation[p] / 3) + c)
+          throw std::runtime_error("CHOLMOD has taken a vertex's unknowns apart");
+    }
+    const int* super = static_cast<const int*>(factor->super);
+    supernode.clear();
+    for (int s = 0; s < static_cast<int>(factor->nsuper); ++s)
+      supernode.insert(supernode.end(), super[s + 1] - super[s], s);
+  }
+
+  bool covers(const BlockMatrix& matrix) const {
+    for (int j = 0; j < matrix.rows(); ++j) {
+      int k = block_start[j];
+      for (int b = matrix.diagonal[j]; b < matrix.row_start[j + 1]; ++b) {
+        while (k < block_start[j + 1] && block[k] != matrix.column[b]) ++k;
+        if (k == block_start[j + 1]) return false;
+      }
+    }
+    return true;
+  }
+
+  void make_room(const BlockMatrix& for_matrix) {
+    if (covers(for_matrix)) return;
+    fill_pattern(for_matrix);
+    analyse();
+  }
+
+  Supernode at(int s) const {
+    const int* super = static_cast<const int*>(factor->super);
+    const int* row_start = static_cast<const int*>(factor->pi);
+    return {super[s], super[s + 1] - super[s], row_start[s + 1] - row_start[s],
+            static_cast<const int*>(factor->s) + row_start[s],
+            static_cast<const int*>(factor->px)[s]};
+  }
+
+  // Left-looking: each supernode takes its part of the matrix, what the supernodes before it take
+  // off, and is factored (Ng and Peyton 1993, "Block sparse Cholesky algorithms on advanced
+  // uniprocessor computers").
+  bool factor_roughly(const BlockMatrix& from, const Eigen::VectorXd& shift) {
+    const float one = 1, zero = 0;
+    const int supernodes = static_cast<int>(factor->nsuper);
+    const int* permutation = static_cast<const int*>(factor->Perm);
+    rough.assign(factor->xsize, 0);
+    // Supernodes that take something off s next are in a list from first[s] on; done[d]: rows of d
+    // that lie in the supernodes so far.
+    std::vector<int> first(supernodes, -1), next(supernodes, -1), done(supernodes);
+    std::vector<int> where(factor->n), target;  // of each row in the supernode at work
+    std::vector<float> taken;
+    const auto pass_on = [&](int d) {
+      const Supernode node = at(d);
+      if (done[d] == node.height) return;
+      const int to = supernode[node.rows[done[d]]];
+      next[d] = first[to];
+      first[to] = d;
+    };
+    for (int s = 0; s < supernodes; ++s) {
+      const Supernode node = at(s);
+      float* values = rough.data() + node.start;
+      for (int i = 0; i < node.height; ++i) where[node.rows[i]] = i;
+      for (int column = 0; column < node.columns; column += 3) {
+        const int p = node.first + column, v = permutation[p] / 3;
+        for (int b = from.row_start[v]; b < from.row_start[v + 1]; ++b) {
+          const int q = place[from.column[b]];
+          if (q < p) continue;
+          for (int c = 0; c < 3; ++c)
+            for (int r = 0; r < 3; ++r)
+              values[(column + c) * node.height + where[q] + r] =
+                  static_cast<float>(from.values[9 * b + 3 * c + r]);
+        }
+        for (int c = 0; c < 3; ++c)
+          values[(column + c) * (node.height + 1)] += static_cast<float>(shift[v]);
+      }
+      for (int d = first[s], after; d >= 0; d = after) {
+        after = next[d];
+        const Supernode by = at(d);
+        const int* rows = by.rows + done[d];
+        const int height = by.height - done[d];
+        int width = 0;
+        while (width < height && rows[width] < node.first + node.columns) ++width;
+        const float* part = rough.data() + by.start + done[d];
+        taken.resize(std::max(taken.size(), static_cast<size_t>(height) * width));
+        ssyrk_("L", "N", &width, &by.columns, &one, part, &by.height, &zero, taken.data(), &height);
+        const int below = height - width;
+        if (below > 0)
+          sgemm_("N", "T", &below, &width, &by.columns, &one, part + width, &by.height, part,
+                 &by.height, &zero, taken.data() + width, &height);
+        target.resize(std::max(target.size(), static_cast<size_t>(height)));
+        for (int i = 0; i < height; ++i) target[i] = where[rows[i]];
+        for (int j = 0; j < width; ++j) {
+          float* into = values + (rows[j] - node.first) * node.height;
+          const float* off = taken.data() + j * height;
+          for (int i = j; i < height; ++i) into[target[i]] -= off[i];
+        }
+        done[d] += width;
+        pass_on(d);
+      }
+      int failed = 0;
+      spotrf_("L", &node.columns, values, &node.height, &failed);
+      if (failed != 0) {
+        rough.clear();
+        return false;
+      }
+      const int below = node.height - node.columns;
+      if (below > 0)
+        strsm_("R", "L", "T", "N", &below, &node.columns, &one, values, &node.height,
+               values + node.columns, &node.height);
+      done[s] = node.columns;
+      pass_on(s);
+    }
+    return true;
   }
 };
 
@@ -171,66 +309,55 @@ Cholesky::Cholesky(const BlockMatrix& pattern) : impl_(std::make_unique<Impl>())
 
 Cholesky::~Cholesky() = default;
 
-bool Cholesky::has_factor() const { return !impl_->rough.empty(); }
-
 bool Cholesky::factor(const BlockMatrix& matrix, const Eigen::VectorXd& shift) {
   const SingleThread single_thread;
-  if (!impl_->fill_values(matrix, shift)) {
-    impl_->fill_pattern(matrix);
-    impl_->analyse();
-    impl_->fill_values(matrix, shift);
-  }
+  impl_->make_room(matrix);
+  impl_->fill_values(matrix, shift);
   const bool is_done = cholmod_factorize(impl_->matrix, impl_->factor, &impl_->common);
   impl_->require_memory();
-  if (!is_done || impl_->common.status != CHOLMOD_OK) return false;
-  const double* exact = static_cast<const double*>(impl_->factor->x);
-  impl_->rough.resize(impl_->factor->xsize);
-  for (size_t i = 0; i < impl_->rough.size(); ++i) impl_->rough[i] = static_cast<float>(exact[i]);
-  return true;
+  return is_done && impl_->common.status == CHOLMOD_OK;
 }
 
-// Supernode s: columns super[s] .. super[s + 1] of the factor, dense, column-major, its rows listed
-// in s[pi[s]] .., the first of them those columns.
+bool Cholesky::factor_roughly(const BlockMatrix& matrix, const Eigen::VectorXd& shift) {
+  const SingleThread single_thread;
+  impl_->make_room(matrix);
+  return impl_->factor_roughly(matrix, shift);
+}
+
 void Cholesky::solve_roughly(const Eigen::VectorXd& right_side, Eigen::VectorXd& solution) const {
   const cholmod_factor& factor = *impl_->factor;
-  const int* super = static_cast<const int*>(factor.super);
-  const int* row_start = static_cast<const int*>(factor.pi);
-  const int* value_start = static_cast<const int*>(factor.px);
-  const int* rows = static_cast<const int*>(factor.s);
   const int* permutation = static_cast<const int*>(factor.Perm);
   const Eigen::Index count = right_side.size();
   Eigen::VectorXf &y = impl_->work, &gathered = impl_->gathered;
   y.resize(count);
   gathered.resize(factor.maxesize);
   for (Eigen::Index i = 0; i < count; ++i) y[i] = static_cast<float>(right_side[permutation[i]]);
-  using Block = Eigen::Map<const Eigen::MatrixXf, 0, Eigen::OuterStride<>>;
-  const int supernodes = static_cast<int>(factor.nsuper);
+  const int supernodes = static_cast<int>(factor.nsuper), step = 1;
+  const float one = 1, minus = -1, zero = 0;
   for (int s = 0; s < supernodes; ++s) {
-    const int first = super[s], columns = super[s + 1] - first;
-    const int height = row_start[s + 1] - row_start[s], below = height - columns;
-    const float* values = impl_->rough.data() + value_start[s];
-    const Block triangle(values, columns, columns, Eigen::OuterStride<>(height));
-    auto head = y.segment(first, columns);
-    triangle.triangularView<Eigen::Lower>().solveInPlace(head);
+    const Supernode node = impl_->at(s);
+    const int below = node.height - node.columns;
+    const float* values = impl_->rough.data() + node.start;
+    float* head = y.data() + node.first;
+    strsv_("L", "N", "N", &node.columns, values, &node.height, head, &step);
     if (below == 0) continue;
-    const Block rest(values + columns, below, columns, Eigen::OuterStride<>(height));
-    gathered.head(below).noalias() = rest * head;
-    const int* row = rows + row_start[s] + columns;
+    sgemv_("N", &below, &node.columns, &one, values + node.columns, &node.height, head, &step,
+           &zero, gathered.data(), &step);
+    const int* row = node.rows + node.columns;
     for (int i = 0; i < below; ++i) y[row[i]] -= gathered[i];
   }
   for (int s = supernodes - 1; s >= 0; --s) {
-    const int first = super[s], columns = super[s + 1] - first;
-    const int height = row_start[s + 1] - row_start[s], below = height - columns;
-    const float* values = impl_->rough.data() + value_start[s];
-    auto head = y.segment(first, columns);
+    const Supernode node = impl_->at(s);
+    const int below = node.height - node.columns;
+    const float* values = impl_->rough.data() + node.start;
+    float* head = y.data() + node.first;
     if (below > 0) {
-      const Block rest(values + columns, below, columns, Eigen::OuterStride<>(height));
-      const int* row = rows + row_start[s] + columns;
+      const int* row = node.rows + node.columns;
       for (int i = 0; i < below; ++i) gathered[i] = y[row[i]];
-      head.noalias() -= rest.transpose() * gathered.head(below);
+      sgemv_("T", &below, &node.columns, &minus, values + node.columns, &node.height,
+             gathered.data(), &step, &one, head, &step);
     }
-    const Block triangle(values, columns, columns, Eigen::OuterStride<>(height));
-    triangle.transpose().triangularView<Eigen::Upper>().solveInPlace(head);
+    strsv_("L", "T", "N", &node.columns, values, &node.height, head, &step);
   }
   solution.resize(count);
   for (Eigen::Index i = 0; i < count; ++i) solution[permutation[i]] = y[i];

@@ -8,8 +8,10 @@
 namespace pleat::sim {
 
 // Sparse Cholesky factor of matrices of about the same pattern: ordered once (METIS on the graph of
-// vertices), analysed again where a matrix has blocks outside the pattern so far, factored often.
-// Only user of SuiteSparse (CHOLMOD, supernodal).
+// vertices), analysed again where a matrix has blocks outside the pattern so far, factored often:
+// in double precision by CHOLMOD, which tells whether a matrix is positive definite, or roughly, in
+// single precision over CHOLMOD's analysis, which is twice as fast and serves to precondition with.
+// Only user of SuiteSparse and BLAS.
 class Cholesky {
  public:
   explicit Cholesky(const BlockMatrix& pattern);
@@ -18,11 +20,11 @@ class Cholesky {
   Cholesky& operator=(const Cholesky&) = delete;
 
   // Factors matrix + diag(shift), one shift a vertex. False where that is not positive definite:
-  // then solve_roughly goes on with the last one that was, if the pattern is the same.
+  // then there is no factor of this kind until one succeeds.
   bool factor(const BlockMatrix& matrix, const Eigen::VectorXd& shift);
-  bool has_factor() const;  // whether there is something to solve with
+  bool factor_roughly(const BlockMatrix& matrix, const Eigen::VectorXd& shift);
+  // With the last factor of its kind.
   Eigen::VectorXd solve(const Eigen::VectorXd& right_side) const;
-  // The same in single precision, in half the time: to precondition with.
   void solve_roughly(const Eigen::VectorXd& right_side, Eigen::VectorXd& solution) const;
 
  private:

@@ -99,17 +99,58 @@ Scene ContactSearch::scene_at(const Eigen::VectorXd& x) const {
 
 void ContactSearch::prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step) {
   if (may_cross_ || has_loose_) find_loose(x);
-  std::vector<int> all(areas_.size());
-  std::iota(all.begin(), all.end(), 0);
-  if (known_share(all, x, step) == 1) return;
-  reach_ = moves(x, x + step).array() + kStray;
-  Scene scene = scene_at(x);
+  std::vector<char> is_asked(count(), 1);
+  int asked = count();
+  if (is_known_) {
+    asked = 0;
+    for (int v = 0; v < count(); ++v) {
+      const double strayed = (x.segment<3>(3 * v) - found_at_.segment<3>(3 * v)).norm() +
+                             step.segment<3>(3 * v).norm();
+      is_asked[v] = strayed > reach_[v];
+      asked += is_asked[v];
+    }
+    if (asked == 0) return;
+  } else {
+    found_at_ = x;
+    reach_.resize(count());
+    found_ = {};
+    found_.rest_start.assign(count() + 1, 0);
+  }
+  for (int v = 0; v < count(); ++v) {
+    if (!is_asked[v]) continue;
+    found_at_.segment<3>(3 * v) = x.segment<3>(3 * v);
+    reach_[v] = step.segment<3>(3 * v).norm() + kStray;
+  }
+  Scene scene = scene_at(found_at_);
   scene.reach.head(count()) = reach_;
-  found_ = finder_.find(
-      scene, {config_.layer_distance_m, config_.barrier_distance_m, config_.distance_m + kOutside});
-  found_at_ = x;
+  if (asked < count()) scene.is_asked = is_asked;
+  learn(finder_.find(scene, {config_.layer_distance_m, config_.barrier_distance_m,
+                             config_.distance_m + kOutside}),
+        is_asked);
   is_known_ = true;
   ++search_count_;
+}
+
+// What was found takes the place of what is known of the vertices that were asked for.
+void ContactSearch::learn(const PairFinder::Found& fresh, const std::vector<char>& is_asked) {
+  std::vector<NearPair>& pairs = found_.pairs;
+  pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
+                             [&](const NearPair& pair) {
+                               return std::any_of(
+                                   pair.vertices.begin(), pair.vertices.end(),
+                                   [&](int v) { return v < count() && is_asked[v]; });
+                             }),
+              pairs.end());
+  pairs.insert(pairs.end(), fresh.pairs.begin(), fresh.pairs.end());
+  std::vector<int> start = {0}, faces;
+  for (int v = 0; v < count(); ++v) {
+    const PairFinder::Found& from = is_asked[v] ? fresh : found_;
+    faces.insert(faces.end(), from.rest_faces.begin() + from.rest_start[v],
+                 from.rest_faces.begin() + from.rest_start[v + 1]);
+    start.push_back(static_cast<int>(faces.size()));
+  }
+  found_.rest_start = std::move(start);
+  found_.rest_faces = std::move(faces);
 }
 
 void ContactSearch::find_loose(const Eigen::VectorXd& x) {

@@ -53,7 +53,8 @@ class ContactSearch {
   // known, 0 .. 1.
   double known_share(const std::vector<int>& vertices, const Eigen::VectorXd& x,
                      const Eigen::VectorXd& step) const;
-  // Finds all that may come near on the way from x to x + step, where it is not known.
+  // Finds all that may come near on the way from x to x + step, of vertices of which it is not
+  // known.
   void prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step);
   int search_count() const { return search_count_; }
 
@@ -98,6 +99,7 @@ class ContactSearch {
   void add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, Touching& touching);
   void add_pull(int vertex, const Vec<3>& x, Touching& touching) const;
   void find_loose(const Eigen::VectorXd& x);
+  void learn(const PairFinder::Found& fresh, const std::vector<char>& is_asked);
   Scene scene_at(const Eigen::VectorXd& x) const;
   double make_way(const Scene& still, const Points3& body_motion, int passes,
                   Eigen::VectorXd& step);

@@ -26,15 +26,18 @@ std::vector<char> owned_features(const Faces& faces, Eigen::Index vertex_count) 
   return owned;
 }
 
+}  // namespace
+
 // A face at the start, and how far its corners may stray from there and from one another.
-struct Plate {
+struct PairFinder::Plate {
   Vec<3> corner[3], normal;
   double height;  // the least of the three
   double reach;
   Vec<3> motion_low, motion_high;
 };
 
-std::vector<Plate> make_plates(const Scene& scene, const Faces& faces, int first) {
+std::vector<PairFinder::Plate> PairFinder::make_plates(const Scene& scene, const Faces& faces,
+                                                       int first) {
   std::vector<Plate> plates(faces.rows());
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     Plate& plate = plates[f];
@@ -53,18 +56,18 @@ std::vector<Plate> make_plates(const Scene& scene, const Faces& faces, int first
     plate.normal = e0.cross(e1);
     const double twice_area = plate.normal.norm();
     plate.normal /= twice_area;
-    plate.height = twice_area / std::sqrt(std::max(
-                                    {e0.squaredNorm(), e1.squaredNorm(), e2.squaredNorm()}));
+    plate.height =
+        twice_area / std::sqrt(std::max({e0.squaredNorm(), e1.squaredNorm(), e2.squaredNorm()}));
   }
   return plates;
 }
 
-// For each vertex a distance that features of its fan of faces which do not share it (or one another)
-// keep at least. Where all faces of the fan lean less than 50 degrees from a common direction, they
-// cover the plane across it without overlap, and in it no corner is nearer to a face of the fan than
-// a face is high; else 0.
-std::vector<double> distances_in_fans(const std::vector<Plate>& plates, const Faces& faces,
-                                      int vertex_count) {
+// For each vertex a distance that features of its fan of faces which do not share it (or one
+// another) keep at least. Where all faces of the fan lean less than 50 degrees from a common
+// direction, they cover the plane across it without overlap, and in it no corner is nearer to a
+// face of the fan than a face is high; else 0.
+std::vector<double> PairFinder::distances_in_fans(const std::vector<Plate>& plates,
+                                                  const Faces& faces, int vertex_count) {
   constexpr double kLeast = 0.64;  // cosine of 50 degrees
   std::vector<Vec<3>> mean(vertex_count, Vec<3>::Zero());
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
@@ -80,7 +83,10 @@ std::vector<double> distances_in_fans(const std::vector<Plate>& plates, const Fa
   return result;
 }
 
+namespace {
+
 // How far b stays off the plane of a, on either side; 0 where it crosses it.
+template <typename Plate>
 double off_plane(const Plate& a, const Plate& b) {
   const double base = a.normal.dot(a.corner[0]);
   const double d0 = a.normal.dot(b.corner[0]) - base, d1 = a.normal.dot(b.corner[1]) - base,
@@ -88,6 +94,7 @@ double off_plane(const Plate& a, const Plate& b) {
   return std::max({std::min({d0, d1, d2}), -std::max({d0, d1, d2}), 0.0});
 }
 
+template <typename Plate>
 bool is_off_box(const Vec<3>& point, const Plate& plate, double range) {
   for (int k = 0; k < 3; ++k) {
     const double a = plate.corner[0][k], b = plate.corner[1][k], c = plate.corner[2][k];
@@ -113,7 +120,27 @@ PairFinder::PairFinder(const Faces& cloth, const Eigen::Ref<const Points3>& clot
              SweptTree(SurfaceTree(cloth_positions, cloth))},
       body_{body, static_cast<int>(cloth_positions.rows()),
             owned_features(body, body_positions.rows()), face_neighbours(body),
-            SweptTree(SurfaceTree(body_positions, body))} {}
+            SweptTree(SurfaceTree(body_positions, body))} {
+  body_.tree.mark(std::vector<char>(body.rows(), 0));  // the cloth asks
+}
+
+PairFinder::~PairFinder() = default;
+
+void PairFinder::refit_body(const Scene& scene, double range) {
+  const Eigen::Index count = scene.positions.rows() - body_.first;
+  const Points3 motion =
+      scene.motion.rows() > 0 ? Points3(scene.motion.bottomRows(count)) : Points3(0, 3);
+  const Eigen::VectorXd reach = scene.reach.tail(count).array() + range;
+  const auto is_same = [](const auto& a, const auto& b) { return a.rows() == b.rows() && a == b; };
+  if (is_same(body_positions_, scene.positions.bottomRows(count)) && is_same(body_reach_, reach) &&
+      is_same(body_motion_, motion))
+    return;
+  body_positions_ = scene.positions.bottomRows(count);
+  body_reach_ = reach;
+  body_motion_ = motion;
+  body_.tree.refit(body_positions_, reach, motion);
+  body_plates_ = make_plates(scene, body_.faces, body_.first);
+}
 
 // Of a pair of features the distance can fall by the reaches of both, and by what they move against
 // one another: `near` adds that to the range.
@@ -125,18 +152,21 @@ PairFinder::Found PairFinder::find(const Scene& scene, const PairRanges& ranges)
   cloth_.tree.refit(scene.positions.topRows(count),
                     scene.reach.head(count).array() + ranges.cloth_m / 2,
                     moves ? Points3(scene.motion.topRows(count)) : none);
-  body_.tree.refit(scene.positions.bottomRows(body_count),
-                   scene.reach.tail(body_count).array() +
-                       std::max(0.0, std::max(ranges.body_m, ranges.rest_m) - ranges.cloth_m / 2),
-                   moves ? Points3(scene.motion.bottomRows(body_count)) : none);
-  const std::vector<Plate> cloth_plates = make_plates(scene, cloth_.faces, 0),
-                           body_plates = make_plates(scene, body_.faces, count);
+  refit_body(scene, std::max(0.0, std::max(ranges.body_m, ranges.rest_m) - ranges.cloth_m / 2));
+  const std::vector<Plate> cloth_plates = make_plates(scene, cloth_.faces, 0);
   const std::vector<double> in_fan = distances_in_fans(cloth_plates, cloth_.faces, count);
   Found found;
   std::vector<std::array<int, 2>> rest;  // cloth vertex, body face
   std::vector<char> is_corner_off(scene.is_face_off.empty() ? 0 : body_count, 1);
   for (size_t g = 0; g < scene.is_face_off.size(); ++g)
     for (int k = 0; k < 3 && !scene.is_face_off[g]; ++k) is_corner_off[body_.faces(g, k)] = 0;
+  const auto is_asked = [&](int v) {
+    return scene.is_asked.empty() || (v < count && scene.is_asked[v]);
+  };
+  std::vector<char> is_face_asked(scene.is_asked.empty() ? 0 : cloth_.faces.rows(), 0);
+  for (size_t f = 0; f < is_face_asked.size(); ++f)
+    for (int k = 0; k < 3; ++k) is_face_asked[f] |= scene.is_asked[cloth_.faces(f, k)];
+  cloth_.tree.mark(is_face_asked);
   const auto is_loose = [&](int v) { return !scene.is_loose.empty() && scene.is_loose[v]; };
   const auto is_face_off = [&](int g) {
     return !scene.is_face_off.empty() && (g < 0 || scene.is_face_off[g]);
@@ -156,7 +186,8 @@ PairFinder::Found PairFinder::find(const Scene& scene, const PairRanges& ranges)
     }
     double play = a.reach + b.reach;
     if (moves)
-      play += (a.motion_high - b.motion_low).cwiseAbs()
+      play += (a.motion_high - b.motion_low)
+                  .cwiseAbs()
                   .cwiseMax((a.motion_low - b.motion_high).cwiseAbs())
                   .norm();
     std::array<int, 3> va, vb;
@@ -172,6 +203,7 @@ PairFinder::Found PairFinder::find(const Scene& scene, const PairRanges& ranges)
     };
     const auto keep = [&](const std::array<int, 4>& vertices, PairKind kind, const PairPoints& x,
                           double at_most) {
+      if (std::none_of(vertices.begin(), vertices.end(), is_asked)) return false;
       const double distance = std::sqrt(squared_pair_distance(kind, x));
       if (distance <= range + play) found.pairs.push_back({vertices, kind, distance});
       return distance <= at_most;
@@ -182,10 +214,11 @@ PairFinder::Found PairFinder::find(const Scene& scene, const PairRanges& ranges)
       if ((own_a >> k & 1) && !is_off_box(a.corner[k], b, most) && !is_in(va[k], vb)) {
         x << a.corner[k], b.corner[0], b.corner[1], b.corner[2];
         if (&p != &q && is_face_off(g)) {  // it tells that the vertex rests on nothing
-          if (squared_pair_distance(PairKind::kPointFace, x) <= (rest_range + play) * (rest_range + play))
+          if (is_asked(va[k]) && squared_pair_distance(PairKind::kPointFace, x) <=
+                                     (rest_range + play) * (rest_range + play))
             rest.push_back({va[k], g});
         } else if (keep({va[k], vb[0], vb[1], vb[2]}, PairKind::kPointFace, x, rest_range + play) &&
-            rest_range > 0)
+                   rest_range > 0)
           rest.push_back({va[k], g});
       }
       if ((own_b >> k & 1) && !is_off_box(b.corner[k], a, range + play) && !is_in(vb[k], va)) {
@@ -210,7 +243,7 @@ PairFinder::Found PairFinder::find(const Scene& scene, const PairRanges& ranges)
   for (const auto& [f, g] : meeting_faces(cloth_.tree))
     look(cloth_, cloth_plates[f], f, cloth_, cloth_plates[g], g, ranges.cloth_m, 0);
   for (const auto& [f, g] : meeting_faces(cloth_.tree, body_.tree))
-    look(cloth_, cloth_plates[f], f, body_, body_plates[g], g, ranges.body_m, ranges.rest_m);
+    look(cloth_, cloth_plates[f], f, body_, body_plates_[g], g, ranges.body_m, ranges.rest_m);
 
   std::sort(rest.begin(), rest.end());
   found.rest_start.assign(count + 1, 0);

@@ -29,19 +29,23 @@ struct Scene {
   Points3 positions;      // m
   Points3 motion;         // m, from `positions`; empty: all stay
   Eigen::VectorXd reach;  // m, how far each vertex may stray from its way
-  // What cloth and body do not hold off each other: body faces that are switched off, with the edges
-  // and corners that only such faces share, and loose cloth vertices. Empty: none.
+  // What cloth and body do not hold off each other: body faces that are switched off, with the
+  // edges and corners that only such faces share, and loose cloth vertices. Empty: none.
   std::vector<char> is_face_off, is_loose;
+  std::vector<char>
+      is_asked;  // cloth vertices; pairs without any of these are left out. Empty: none
 };
 
 class PairFinder {
  public:
   PairFinder(const Faces& cloth, const Eigen::Ref<const Points3>& cloth_positions,
              const Faces& body, const Eigen::Ref<const Points3>& body_positions);
+  ~PairFinder();
 
   struct Found {
     std::vector<NearPair> pairs;
-    // Body faces that cloth vertex v may rest on: rest_faces[rest_start[v]] .. [rest_start[v + 1]].
+    // Body faces that cloth vertex v, asked for, may rest on: rest_faces[rest_start[v]] ..
+    // [rest_start[v + 1]].
     std::vector<int> rest_start, rest_faces;
   };
   // All pairs that come into range. On the way (with motion) `distance` is that at the start, and
@@ -49,14 +53,25 @@ class PairFinder {
   Found find(const Scene& scene, const PairRanges& ranges);
 
  private:
+  struct Plate;
   struct Part {  // cloth or body
     Faces faces;
-    int first;                 // vertex of the scene
-    std::vector<char> owned;   // of each face: bits 0-2 corners, 3-5 edges from corner k to the next
-    Faces across;              // of each face: the face behind each of these edges, -1 at a boundary
+    int first;                // vertex of the scene
+    std::vector<char> owned;  // of each face: bits 0-2 corners, 3-5 edges from corner k to the next
+    Faces across;             // of each face: the face behind each of these edges, -1 at a boundary
     SweptTree tree;
   };
+  static std::vector<Plate> make_plates(const Scene& scene, const Faces& faces, int first);
+  static std::vector<double> distances_in_fans(const std::vector<Plate>& plates, const Faces& faces,
+                                               int vertex_count);
+  void refit_body(const Scene& scene, double range);
+
   Part cloth_, body_;
+  // The body as it was last, which mostly stands still: rows of the scene, and how far around them
+  // was looked.
+  Points3 body_positions_, body_motion_;
+  Eigen::VectorXd body_reach_;
+  std::vector<Plate> body_plates_;
 };
 
 }  // namespace pleat::sim

@@ -12,10 +12,11 @@ namespace {
 
 constexpr double kCaution = 30;  // 1/s^2 times the masses: what the factor adds to the Hessian
 constexpr double kMostCaution = 1e12;  // times as much
-constexpr double kNear = 30;    // residuals to reach: from there on the factor is the Hessian's own
-constexpr double kSlow = 0.01;  // of the caution: curvature that a stable equilibrium may lack
-constexpr double kHeld = 1e9;   // J/m^2: what the factor adds for a pinned vertex
-constexpr int kStale = 12;      // products that a step may take before its factor is renewed
+constexpr double kNear = 30;  // residuals to reach: from there on the factor is the Hessian's own,
+constexpr double kCloser = 0.3;   // and where it has none it is asked again this much nearer
+constexpr double kSlow = 0.01;    // of the caution: curvature that a stable equilibrium may lack
+constexpr double kHeld = 1e9;     // J/m^2: what the factor adds for a pinned vertex
+constexpr int kStale = 12;        // products that a step may take before its factor is renewed
 constexpr double kLanding = 0.6;  // of the contact distance: how deep a step may dip into it
 constexpr double kLanded = 0.7;   // unless it starts from below this
 constexpr double kArmijo = 1e-4;  // of the slope: the least fall of the energy
@@ -71,8 +72,12 @@ class Minimiser {
   void prepare_step(Patch& patch);
   void land();
   double energy_at(const Patch& patch, double length);
-  bool factor(const Patch& all, const Eigen::VectorXd& shift);
-  void renew_factor(Patch& all);
+  bool may_be_definite() const {
+    return result_.residual <= kNear * config_.residual &&
+           result_.residual <= kCloser * indefinite_at_;
+  }
+  void renew_factor(const Patch& all);
+  bool is_minimum(const Patch& all);
   bool settle_worst();
 
   const Cloth& cloth_;
@@ -87,6 +92,8 @@ class Minimiser {
   Touching touching_;
   std::vector<ActiveBarrier> barriers_;
   System system_, trial_;
+  bool has_own_ = false;         // the factor is the Hessian's own
+  double indefinite_at_ = 1e30;  // residual at which the Hessian was last found not to have one
   NewtonResult result_;
 };
 
@@ -104,26 +111,37 @@ double Minimiser::evaluate(Patch& patch, Order order) {
   return restrict_to(patch.region, system_.gradient).norm() / cloth_.weight_norm;
 }
 
-// Factors the system as it stands, plus `shift`. False where that is not positive definite.
-bool Minimiser::factor(const Patch& all, const Eigen::VectorXd& shift) {
-  ++result_.factorisations;
-  return factor_.factor(with_barriers({cloth_, all.region, system_.hessian, barriers_}), shift);
-}
-
-// Far from rest, a positive definite part of the Hessian serves; near it the Hessian itself, which
-// tells whether the equilibrium is stable, too.
-void Minimiser::renew_factor(Patch& all) {
-  if (result_.residual <= kNear * config_.residual) {
-    result_.is_stable = factor(all, kSlow * shift_);
-    if (result_.is_stable) return;
+// What preconditions the steps. Far from rest, a positive definite part of the Hessian serves; near
+// it the Hessian itself, where that is positive definite.
+void Minimiser::renew_factor(const Patch& all) {
+  const auto factor = [&](const BlockMatrix& hessian, const std::vector<ActiveBarrier>& barriers,
+                          double caution) {
+    ++result_.factorisations;
+    return factor_.factor_roughly(with_barriers({cloth_, all.region, hessian, barriers}),
+                                  caution * shift_);
+  };
+  if (may_be_definite()) {
+    has_own_ = factor(system_.hessian, barriers_, kSlow);
+    if (has_own_) return;
+    indefinite_at_ = result_.residual;
   }
-  evaluate(all, Order::kProjectedHessian);
+  has_own_ = false;
+  const std::vector<ActiveBarrier> barriers =
+      contacts_.barriers(all.pairs, x_, Order::kProjectedHessian);
+  assemble(cloth_, all.region, touching_, barriers, x_, Order::kProjectedHessian, trial_);
   double caution = 1;
-  while (!factor(all, caution * shift_)) {  // by rounding, where barriers are very stiff
+  while (
+      !factor(trial_.hessian, barriers, caution)) {  // by rounding, where barriers are very stiff
     caution *= 30;
     if (caution > kMostCaution) throw SolverError("the forces on the cloth are not finite");
   }
-  evaluate(all, Order::kHessian);
+}
+
+// Whether the Hessian has no negative curvature where x_ is.
+bool Minimiser::is_minimum(const Patch& all) {
+  ++result_.factorisations;
+  return factor_.factor(with_barriers({cloth_, all.region, system_.hessian, barriers_}),
+                        kSlow * shift_);
 }
 
 // Finds out what the step may meet. A patch rather takes a shorter step, where little is missing: a
@@ -262,15 +280,13 @@ NewtonResult Minimiser::run() {
     result_.residual = evaluate(all, Order::kHessian);
     const bool is_settled = result_.residual <= config_.residual;
     if (is_settled) {
-      if (config_.must_be_stable) renew_factor(all);  // here, not a step before
-      is_fresh = true;
+      result_.is_stable = config_.must_be_stable && is_minimum(all);
       result_.has_converged = result_.is_stable || !config_.must_be_stable;
       if (result_.has_converged) break;
+      indefinite_at_ = 0;  // whatever single precision makes of it
+      is_fresh = false;
     }
-    if ((should_stop_ && should_stop_()) || result_.iterations >= config_.max_iterations) {
-      result_.is_stable = false;  // nobody looked
-      break;
-    }
+    if ((should_stop_ && should_stop_()) || result_.iterations >= config_.max_iterations) break;
     if (!is_settled && result_.iterations > 0 && !was_local) {
       was_local = settle_worst();
       if (was_local) {
@@ -279,9 +295,7 @@ NewtonResult Minimiser::run() {
       }
     }
     was_local = false;
-    const bool is_near = result_.residual <= kNear * config_.residual;
-    if (!is_fresh || (is_near && !result_.is_stable)) renew_factor(all);
-    if (!is_near) result_.is_stable = false;
+    if (!is_fresh || (!has_own_ && may_be_definite())) renew_factor(all);
     advance(all);
     contacts_.prepare(x_, Eigen::VectorXd::Zero(x_.size()));
     is_fresh = all.products <= kStale && all.was_good;

@@ -173,7 +173,12 @@ void bench_sim(Report& report) {
   report.time("sim/cholesky_analyse_5k", 5, [&] { sim::Cholesky factor(system.hessian); });
   sim::Cholesky factor(system.hessian);
   report.time("sim/cholesky_factor_5k", 10, [&] { factor.factor(system.hessian, shift); });
+  report.time("sim/cholesky_factor_roughly_5k", 10,
+              [&] { factor.factor_roughly(system.hessian, shift); });
   report.time("sim/cholesky_solve_5k", 20, [&] { factor.solve(system.gradient); });
+  Eigen::VectorXd rough;
+  report.time("sim/cholesky_solve_roughly_5k", 20,
+              [&] { factor.solve_roughly(system.gradient, rough); });
 
   const TriangleMesh ball = make_sphere(5, kBallRadius);
   const sim::BodyCollider collider(ball.vertices, ball.faces);

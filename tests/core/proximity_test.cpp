@@ -348,6 +348,31 @@ TEST(SweptTree, FindsJustTheFacesWhoseBoxesMeet) {
   }
 }
 
+// Of two trees and within one: the pairs with a marked face.
+TEST(SweptTree, FindsThePairsOfMarkedFaces) {
+  const MovingMesh a = moving_soup(200, 0.2, 0.1, 0, "a"), b = moving_soup(150, 0.1, 0.2, 0, "b");
+  std::vector<char> marked(200, 0);
+  for (int f = 0; f < 200; f += 7) marked[f] = 1;
+  const auto just = [](Pairs pairs, auto is_wanted) {
+    pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
+                               [&](const std::array<int, 2>& pair) { return !is_wanted(pair); }),
+                pairs.end());
+    return pairs;
+  };
+  SweptTree left = a.tree(), right = b.tree();
+  const Pairs across = meeting_faces(left, right), within = meeting_faces(left);
+  left.mark(marked);
+  right.mark(std::vector<char>(150, 0));
+  EXPECT_EQ(meeting_faces(left, right),
+            just(across, [&](const std::array<int, 2>& pair) { return marked[pair[0]]; }));
+  EXPECT_EQ(meeting_faces(left), just(within, [&](const std::array<int, 2>& pair) {
+              return marked[pair[0]] || marked[pair[1]];
+            }));
+  left.mark({});
+  EXPECT_EQ(meeting_faces(left, right), across);
+  EXPECT_GT(within.size(), 100u);
+}
+
 // Boxes that touch without overlap count.
 TEST(SweptTree, FindsFacesThatJustTouch) {
   MovingMesh a, b;

@@ -61,6 +61,8 @@ TEST(Cholesky, SaysWhereAMatrixIsNotPositive) {
   Cholesky factor(matrix);
   EXPECT_FALSE(factor.factor(matrix, Eigen::VectorXd::Zero(30)));
   EXPECT_TRUE(factor.factor(ring(30), Eigen::VectorXd::Zero(30)));
+  EXPECT_FALSE(factor.factor_roughly(matrix, Eigen::VectorXd::Zero(30)));
+  EXPECT_TRUE(factor.factor_roughly(ring(30), Eigen::VectorXd::Zero(30)));
 }
 
 // As the solver does where layers of cloth come near and part again.
@@ -79,13 +81,14 @@ TEST(Cholesky, TakesAWiderPatternAndANarrowerOne) {
     wider.block(wider.find(b, a)) = Mat<3>::Constant(0.3);
   }
   Cholesky factor(matrix);
-  EXPECT_FALSE(factor.has_factor());
   const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(180, -1, 1);
   for (const BlockMatrix* each : std::array<const BlockMatrix*, 3>{&matrix, &wider, &matrix}) {
     ASSERT_TRUE(factor.factor(*each, Eigen::VectorXd::Zero(60)));
-    EXPECT_TRUE(factor.has_factor());
-    Eigen::VectorXd b;
+    ASSERT_TRUE(factor.factor_roughly(*each, Eigen::VectorXd::Zero(60)));
+    Eigen::VectorXd b, rough;
     multiply(*each, x, b);
+    factor.solve_roughly(b, rough);
+    EXPECT_LE((rough - x).norm(), 1e-5 * x.norm());
     EXPECT_LE((factor.solve(b) - x).norm(), 1e-12 * x.norm());
   }
 }
@@ -97,6 +100,7 @@ TEST(Cholesky, SolvesRoughlyToSinglePrecision) {
     const Eigen::VectorXd shift = Eigen::VectorXd::LinSpaced(count, 1, 4);
     Cholesky factor(matrix);
     ASSERT_TRUE(factor.factor(matrix, shift));
+    ASSERT_TRUE(factor.factor_roughly(matrix, shift));
     const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(3 * count, -1, 1);
     Eigen::VectorXd rough;
     factor.solve_roughly(b, rough);
@@ -116,6 +120,7 @@ TEST(Cholesky, SolvesRoughlyWithTheLastMatrix) {
   Eigen::VectorXd rough;
   for (const double shift : {1.0, 50.0}) {
     ASSERT_TRUE(factor.factor(matrix, Eigen::VectorXd::Constant(60, shift)));
+    ASSERT_TRUE(factor.factor_roughly(matrix, Eigen::VectorXd::Constant(60, shift)));
     factor.solve_roughly(b, rough);
     const Eigen::VectorXd exact = factor.solve(b);
     EXPECT_LE((rough - exact).norm(), 3e-6 * exact.norm());

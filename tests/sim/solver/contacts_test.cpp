@@ -92,10 +92,10 @@ TEST(Touching, WhatIsOutOfReachFeelsNothing) {
     const Touching touching = scene.touching();
     EXPECT_TRUE(touching.frictions.empty());
     for (const Contact& contact : touching.contacts)
-      EXPECT_EQ(contact_energy(contact, scene.body, scene.x.segment<3>(3 * contact.vertex),
-                               Order::kValue)
-                    .value,
-                0);
+      EXPECT_EQ(
+          contact_energy(contact, scene.body, scene.x.segment<3>(3 * contact.vertex), Order::kValue)
+              .value,
+          0);
     for (const Anchor& anchor : scene.anchors) EXPECT_EQ(anchor.face, -1);
   }
 }
@@ -156,9 +156,9 @@ TEST(Touching, BothSidesOfAGapPush) {
     std::vector<Vec<3>> sum(81, Vec<3>::Zero());
     std::vector<double> sizes(81, 0.0);
     for (const Contact& contact : touching.contacts) {
-      const Vec<3> push = -contact_energy(contact, body, sheet.x.segment<3>(3 * contact.vertex),
-                                          Order::kGradient)
-                               .gradient;
+      const Vec<3> push =
+          -contact_energy(contact, body, sheet.x.segment<3>(3 * contact.vertex), Order::kGradient)
+               .gradient;
       sum[contact.vertex] += push;
       sizes[contact.vertex] += push.norm();
     }
@@ -216,22 +216,20 @@ void expect_all_barriers(const DressedBall& scene, const std::vector<ActiveBarri
   for (const ActiveBarrier& barrier : found)
     EXPECT_TRUE(names.insert(named(barrier.element.kind, barrier.element.vertices)).second);
   size_t expected = 0;
-  for_each_pair(scene.faces, scene.ball.faces, count,
-                [&](PairKind kind, const std::array<int, 4>& vertices) {
-                  PairPoints points;
-                  for (int k = 0; k < 4; ++k)
-                    points.col(k) =
-                        vertices[k] < count
-                            ? Vec<3>(x.segment<3>(3 * vertices[k]))
-                            : Vec<3>(scene.ball.vertices.row(vertices[k] - count).transpose());
-                  const double range =
-                      *std::max_element(vertices.begin(), vertices.end()) < count
-                          ? scene.config.layer_distance_m
-                          : scene.config.barrier_distance_m;
-                  if (squared_pair_distance(kind, points) >= range * range) return;
-                  ++expected;
-                  EXPECT_EQ(names.count(named(kind, vertices)), 1u);
-                });
+  for_each_pair(
+      scene.faces, scene.ball.faces, count, [&](PairKind kind, const std::array<int, 4>& vertices) {
+        PairPoints points;
+        for (int k = 0; k < 4; ++k)
+          points.col(k) = vertices[k] < count
+                              ? Vec<3>(x.segment<3>(3 * vertices[k]))
+                              : Vec<3>(scene.ball.vertices.row(vertices[k] - count).transpose());
+        const double range = *std::max_element(vertices.begin(), vertices.end()) < count
+                                 ? scene.config.layer_distance_m
+                                 : scene.config.barrier_distance_m;
+        if (squared_pair_distance(kind, points) >= range * range) return;
+        ++expected;
+        EXPECT_EQ(names.count(named(kind, vertices)), 1u);
+      });
   EXPECT_EQ(found.size(), expected);
   EXPECT_GT(expected, 100u);
 }
@@ -247,6 +245,34 @@ TEST(ContactSearch, BarriersAreThoseOfAllPairsInRange) {
   shake(moved, 4e-4, "moved");
   ASSERT_EQ(contacts.known_share(all_of(scene.cloth.vertex_count), moved, no_step(moved)), 1);
   expect_all_barriers(scene, contacts.barriers(pairs, moved, Order::kValue), moved);
+}
+
+// Some vertices moved farther than was looked for: of these it looks again, of the others it knows.
+TEST(ContactSearch, LooksAgainForWhatMovedFar) {
+  DressedBall scene;
+  ContactSearch contacts = scene.search();
+  contacts.prepare(scene.x, no_step(scene.x));
+  Eigen::VectorXd moved = scene.x;
+  shake(moved, 3e-4, "moved");
+  for (int v = 0; v < scene.cloth.vertex_count; v += 3)
+    moved.segment<3>(3 * v) += Vec<3>(0.002, 0.002, 0);
+  contacts.prepare(moved, no_step(moved));
+  EXPECT_EQ(contacts.search_count(), 2);
+  EXPECT_EQ(contacts.known_share(all_of(scene.cloth.vertex_count), moved, no_step(moved)), 1);
+  const std::vector<int> pairs = contacts.pairs_at(whole(scene.cloth).place);
+  expect_all_barriers(scene, contacts.barriers(pairs, moved, Order::kValue), moved);
+  ContactSearch fresh = scene.search();
+  fresh.prepare(moved, no_step(moved));
+  const auto supports = [&](ContactSearch& search) {
+    std::vector<Anchor> anchors(scene.cloth.vertex_count);
+    std::vector<std::pair<int, int>> found;
+    for (const Contact& contact :
+         search.touching(all_of(scene.cloth.vertex_count), moved, anchors).contacts)
+      found.emplace_back(contact.vertex, contact.body_face);
+    return found;
+  };
+  EXPECT_EQ(supports(contacts), supports(fresh));
+  EXPECT_GT(supports(fresh).size(), 50u);
 }
 
 TEST(ContactSearch, BarrierEnergyIsTheirSum) {
@@ -269,8 +295,8 @@ TEST(ContactSearch, BarriersFadeWhereEdgesAreParallel) {
   const double full = scene.config.barrier_Pa * scene.cloth.area.mean();
   const int count = scene.cloth.vertex_count;
   int blunt = 0;
-  for (const ActiveBarrier& barrier : contacts.barriers(
-           contacts.pairs_at(whole(scene.cloth).place), scene.x, Order::kValue)) {
+  for (const ActiveBarrier& barrier :
+       contacts.barriers(contacts.pairs_at(whole(scene.cloth).place), scene.x, Order::kValue)) {
     PairPoints points;
     for (int k = 0; k < 4; ++k) {
       const int v = barrier.element.vertices[k];
@@ -313,8 +339,8 @@ TEST(ContactSearch, PairsOfARegionAreThoseWithItsVertices) {
   contacts.prepare(scene.x, no_step(scene.x));
   const Region region = around(scene.cloth, {20}, 1);
   std::set<Feature> expected, found;
-  for (const ActiveBarrier& barrier : contacts.barriers(
-           contacts.pairs_at(whole(scene.cloth).place), scene.x, Order::kValue))
+  for (const ActiveBarrier& barrier :
+       contacts.barriers(contacts.pairs_at(whole(scene.cloth).place), scene.x, Order::kValue))
     for (const int v : barrier.element.vertices)
       if (v < scene.cloth.vertex_count && region.place[v] >= 0)
         expected.insert(named(barrier.element.kind, barrier.element.vertices));
@@ -331,8 +357,7 @@ TEST(ContactSearch, PairsOfARegionAreThoseWithItsVertices) {
 
 double free_share(OverGround& scene, const Eigen::VectorXd& step) {
   scene.contacts.prepare(scene.x, step);
-  return scene.contacts.free_share(scene.contacts.pairs_at(std::vector<int>(81, 0)), scene.x,
-                                   step);
+  return scene.contacts.free_share(scene.contacts.pairs_at(std::vector<int>(81, 0)), scene.x, step);
 }
 
 TEST(FreeShare, StopsAtTheGround) {
@@ -348,8 +373,8 @@ TEST(FreeShare, StopsAtTheGround) {
 
 TEST(FreeShare, LetsGoWhatMeetsNothing) {
   OverGround scene(0.01);
-  for (const Vec<3>& way : {Vec<3>(0, 0, 0), Vec<3>(0, 0.5, 0), Vec<3>(0.05, 0, 0.03),
-                            Vec<3>(0.04, -0.005, 0)})
+  for (const Vec<3>& way :
+       {Vec<3>(0, 0, 0), Vec<3>(0, 0.5, 0), Vec<3>(0.05, 0, 0.03), Vec<3>(0.04, -0.005, 0)})
     EXPECT_EQ(free_share(scene, same_step(scene.x, way)), 1);
 }
 
@@ -368,8 +393,7 @@ TEST(FreeShare, KeepsACrumpledClothFreeOfIntersections) {
   for (int i = 0; i < 10; ++i) {
     DressedBall scene;
     ASSERT_FALSE(crosses(scene.x, scene.faces, scene.ball.vertices, scene.ball.faces));
-    const Eigen::VectorXd step =
-        1e-3 * random_vector(scene.x.size(), "step " + std::to_string(i));
+    const Eigen::VectorXd step = 1e-3 * random_vector(scene.x.size(), "step " + std::to_string(i));
     ContactSearch contacts = scene.search();
     contacts.prepare(scene.x, step);
     const double share =
@@ -393,8 +417,7 @@ TEST(FreeShare, LayersDoNotPassThroughOneAnother) {
   const double share =
       contacts.free_share(contacts.pairs_at(whole(scene.cloth).place), scene.x, step);
   EXPECT_LT(share, 0.012);
-  EXPECT_FALSE(
-      crosses(scene.x + share * step, scene.faces, scene.ball.vertices, scene.ball.faces));
+  EXPECT_FALSE(crosses(scene.x + share * step, scene.faces, scene.ball.vertices, scene.ball.faces));
   EXPECT_EQ(contacts.free_share({}, scene.x, step), 1);
 }
 
@@ -491,8 +514,7 @@ TEST(SettleAnchors, StayWhileTheClothSticks) {
 TEST(SettleAnchors, FollowWhatSlidToTheSlipLimit) {
   OverGround scene(0.002);
   scene.touching();
-  const double slip =
-      OverGround::kFriction * scene.pressure(0.002) / scene.config.stick_N_per_m3;
+  const double slip = OverGround::kFriction * scene.pressure(0.002) / scene.config.stick_N_per_m3;
   const Vec<3> way = 3 * slip * Vec<3>(0.6, 0, 0.8);
   scene.x += same_step(scene.x, way);
   scene.contacts.prepare(scene.x, no_step(scene.x));
@@ -549,8 +571,7 @@ TEST(Touching, FirstTouchIsFreeOfFriction) {
   DressedBall scene;
   ContactSearch contacts = scene.search();
   contacts.prepare(scene.x, no_step(scene.x));
-  const Touching touching =
-      contacts.touching(all_of(DressedBall::kLayer), scene.x, scene.anchors);
+  const Touching touching = contacts.touching(all_of(DressedBall::kLayer), scene.x, scene.anchors);
   EXPECT_GT(touching.frictions.size(), 50u);
   for (const Friction& friction : touching.frictions) {
     const Vec<3> at = scene.x.segment<3>(3 * friction.vertex);

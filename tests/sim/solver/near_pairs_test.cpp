@@ -201,6 +201,40 @@ TEST(PairFinder, KnowsNothingOfFormerPoses) {
   expect_rest_faces(e, back);
 }
 
+// Asked for some vertices, it finds of all pairs those with one of them.
+TEST(PairFinder, FindsThePairsAskedFor) {
+  Everything e = make_everything();
+  const PairFinder::Found all = find(e);
+  e.scene.is_asked.assign(e.count, 0);
+  for (int v = 0; v < e.count; v += 5) e.scene.is_asked[v] = 1;
+  const PairFinder::Found some = find(e);
+  const auto names = [](const std::vector<NearPair>& pairs) {
+    std::set<Feature> result;
+    for (const NearPair& pair : pairs) result.insert(named(pair.kind, pair.vertices));
+    return result;
+  };
+  std::vector<NearPair> wanted = all.pairs;
+  wanted.erase(std::remove_if(wanted.begin(), wanted.end(),
+                              [&](const NearPair& pair) {
+                                return std::none_of(
+                                    pair.vertices.begin(), pair.vertices.end(),
+                                    [&](int v) { return v < e.count && v % 5 == 0; });
+                              }),
+               wanted.end());
+  const std::set<Feature> found = names(some.pairs), expected = names(wanted);
+  EXPECT_TRUE(std::includes(found.begin(), found.end(), expected.begin(), expected.end()));
+  EXPECT_EQ(found.size(), expected.size());
+  EXPECT_EQ(some.pairs.size(), wanted.size());
+  EXPECT_LT(wanted.size(), all.pairs.size());
+  EXPECT_GT(wanted.size(), 100u);
+  const auto rest = [](const PairFinder::Found& found, int v) {
+    return std::vector<int>(found.rest_faces.begin() + found.rest_start[v],
+                            found.rest_faces.begin() + found.rest_start[v + 1]);
+  };
+  for (int v = 0; v < e.count; ++v)
+    EXPECT_EQ(rest(some, v), v % 5 == 0 ? rest(all, v) : std::vector<int>{});
+}
+
 // Flat cloth: around a vertex corners are as near as a face is high, and then they are pairs.
 TEST(PairFinder, FindsNeighboursOfFlatCloth) {
   Everything e = make_everything();
