@@ -133,7 +133,7 @@ void Minimiser::renew_factor(const Patch& all) {
   while (
       !factor(trial_.hessian, barriers, caution)) {  // by rounding, where barriers are very stiff
     caution *= 30;
-    if (caution > kMostCaution) throw SolverError("the forces on the cloth are not finite");
+    if (caution > kMostCaution) throw SolverError("no factor of the forces' derivatives");
   }
 }
 
@@ -278,6 +278,8 @@ NewtonResult Minimiser::run() {
   bool is_fresh = false, was_local = false;
   while (true) {
     result_.residual = evaluate(all, Order::kHessian);
+    if (!std::isfinite(result_.residual))
+      throw SolverError("the forces on the cloth are not finite");
     const bool is_settled = result_.residual <= config_.residual;
     if (is_settled) {
       result_.is_stable = config_.must_be_stable && is_minimum(all);

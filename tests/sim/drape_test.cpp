@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "core/error.h"
 #include "core/proximity.h"
 #include "tests/sim/dressed_ball.h"
 
@@ -135,6 +137,17 @@ TEST(Drape, GoesWithTheBody) {
   const NewtonResult result = drape(d.cloth, contacts, NewtonConfig{}, factor, moved);
   EXPECT_TRUE(result.has_converged);
   EXPECT_LE((moved.x - ways - d.state.x).cwiseAbs().maxCoeff(), 1e-5);
+}
+
+TEST(Drape, SaysThatForcesAreNotFinite) {
+  const Draped& d = square_over_ball(12);
+  Cloth cloth = d.cloth;
+  cloth.membrane_law.mu = std::numeric_limits<double>::infinity();
+  DrapeState state = d.state;
+  BodyCollider body(d.ball.vertices, d.ball.faces);
+  ContactSearch contacts(d.faces, cloth.area, state.x, body, {}, 0.5);
+  Cholesky factor(cloth.bending_hessian);
+  EXPECT_THROW(drape(cloth, contacts, NewtonConfig{}, factor, state), SolverError);
 }
 
 // Held at a corner, far from the body, its centre of mass comes to lie under the pin.

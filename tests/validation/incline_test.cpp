@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "core/random.h"
@@ -76,18 +77,19 @@ TEST(Incline, HoldsBelowTheAngleOfFriction) {
 }
 
 // What slides finds no equilibrium: the solver follows it downhill and says that it did not settle.
-// Short by what friction cannot hold at first; later the sheet is no longer flat.
+// Short by what friction cannot hold, no less, while the sheet is flat; later it is not.
 TEST(Incline, SlidesAboveTheAngleOfFriction) {
   for (const double share : {1.01, 1.1}) {
     OnIncline patch(share * kFriction);
-    const double residual = patch.settle_for(3).residual;
+    double residual = 1;
+    for (int i = 0; i < 5; ++i) residual = std::min(residual, patch.settle_for(1).residual);
     const double slope = share * kFriction;
     const double excess = (slope - kFriction) / std::sqrt(1 + slope * slope);  // over the weight
     const bool has_converged = patch.settle_for(20).has_converged;
     const double slipped = patch.way().dot(patch.downhill());
     report("slope " + std::to_string(share) + " mu: residual / what friction cannot hold",
            residual / excess, "");
-    report("  slipped in 23 iterations", 1000 * slipped, "mm");
+    report("  slipped in 25 iterations", 1000 * slipped, "mm");
     EXPECT_NEAR(residual, excess, 0.02 * excess);
     EXPECT_FALSE(has_converged);
     EXPECT_GE(slipped, 0.002);
