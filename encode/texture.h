@@ -1,6 +1,7 @@
 // Vertex offsets <-> offset texture (paper, sections 3 and 5.1).
 #pragma once
 
+#include <Eigen/SparseCore>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -59,16 +60,13 @@ class TextureEncoder {
 
  private:
   struct Fit;
-  void factorise();
+  void factorise(const garment::GarmentTopology& topology);
 
   UvLayout layout_;
   TexelReads reads_;
-  Faces texel_vertices_;         // #filled x 3, sewn vertices that a filled texel interpolates
-  Points3 texel_weights_;        // #filled x 3
-  std::vector<int> texels_;      // #filled, texel of each
-  Eigen::VectorXi sewn_vertex_;  // panel vertex -> sewn vertex
-  int vertex_count_ = 0;
-  std::unique_ptr<Fit> fit_;  // null with Fill::kBarycentric
+  std::vector<int> texels_;  // those that are filled, and what they take of the vertices' offsets,
+  Eigen::SparseMatrix<double, Eigen::RowMajor> fill_;  // #filled x #vertices
+  std::unique_ptr<Fit> fit_;                           // null with Fill::kBarycentric
 };
 
 }  // namespace pleat::encode
