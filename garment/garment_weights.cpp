@@ -13,7 +13,7 @@
 namespace pleat::garment {
 namespace {
 
-constexpr double kSpread = 4;  // smoothing lengths over distance to the body
+constexpr double kSpread = 6;  // smoothing lengths over distance to the body
 constexpr double kLeastDistance =
     0.01;  // m: cloth on the skin is smoothed as if it hung this far away
 constexpr double kNegligible = 1e-4;  // of a weight
