@@ -20,6 +20,7 @@
 #include "body/body_file.h"
 #include "body/skinning.h"
 #include "core/error.h"
+#include "core/heap.h"
 #include "core/mesh.h"
 #include "core/profile.h"
 #include "core/progress.h"
@@ -172,6 +173,7 @@ int run(int argc, char** argv, const LearnStages& learning) {
 }  // namespace
 
 int run_program(int argc, char** argv, const LearnStages& learning) {
+  give_large_blocks_back();
   spdlog::set_default_logger(spdlog::stderr_color_mt("pleat"));
   spdlog::set_pattern("%H:%M:%S %^%v%$");
   catch_interrupts();

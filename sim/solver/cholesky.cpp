@@ -311,6 +311,7 @@ Cholesky::~Cholesky() = default;
 
 bool Cholesky::factor(const BlockMatrix& matrix, const Eigen::VectorXd& shift) {
   const SingleThread single_thread;
+  std::vector<float>().swap(impl_->rough);
   impl_->make_room(matrix);
   impl_->fill_values(matrix, shift);
   const bool is_done = cholmod_factorize(impl_->matrix, impl_->factor, &impl_->common);
@@ -320,6 +321,8 @@ bool Cholesky::factor(const BlockMatrix& matrix, const Eigen::VectorXd& shift) {
 
 bool Cholesky::factor_roughly(const BlockMatrix& matrix, const Eigen::VectorXd& shift) {
   const SingleThread single_thread;
+  // What is left is the analysis.
+  cholmod_change_factor(CHOLMOD_PATTERN, 1, 1, 0, 0, impl_->factor, &impl_->common);
   impl_->make_room(matrix);
   return impl_->factor_roughly(matrix, shift);
 }

@@ -20,10 +20,11 @@ class Cholesky {
   Cholesky& operator=(const Cholesky&) = delete;
 
   // Factors matrix + diag(shift), one shift a vertex. False where that is not positive definite:
-  // then there is no factor of this kind until one succeeds.
+  // then there is no factor until one succeeds. Each gives up the factor of the other kind, which
+  // would lie beside it in memory.
   bool factor(const BlockMatrix& matrix, const Eigen::VectorXd& shift);
   bool factor_roughly(const BlockMatrix& matrix, const Eigen::VectorXd& shift);
-  // With the last factor of its kind.
+  // With the factor of its kind, if that is the last.
   Eigen::VectorXd solve(const Eigen::VectorXd& right_side) const;
   void solve_roughly(const Eigen::VectorXd& right_side, Eigen::VectorXd& solution) const;
 

@@ -9,6 +9,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/heap.h"
 #include "core/profile.h"
 #include "core/provenance.h"
 #include "tests/benchmarks/bench.h"
@@ -55,6 +56,7 @@ void Report::add(const Row& row) {
 
 int main(int argc, char** argv) try {
   pleat::enter_profile("native", argv);
+  pleat::give_large_blocks_back();  // as `pleat` does
   using pleat::bench::Report;
   const std::map<std::string, void (*)(Report&)> areas = {
 #ifdef PLEAT_BENCH_LEARN
