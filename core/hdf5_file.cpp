@@ -15,7 +15,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
-#include "core/patience.h"
+#include "core/guarded_read.h"
 #include "core/sha256.h"
 
 namespace pleat {
@@ -140,9 +140,9 @@ Id dataset_creation() {
   return Id(properties, H5Pclose);
 }
 
-// libhdf5 1.10 goes round in circles on some files. Seconds, of computing: a whole read of 10 GB
-// takes less.
-constexpr double kPatience = 60;
+// libhdf5 1.10 goes round in circles on some files, and crashes on others. Seconds, of computing: a
+// whole read of 10 GB takes less.
+constexpr double kMostSeconds = 60;
 
 // Texts of an attribute or dataset of `count` elements, of fixed or variable length. `read` fills a
 // buffer laid out by the type that it is given.
@@ -339,7 +339,7 @@ Hdf5File::~Hdf5File() {
 }
 
 Hdf5File Hdf5File::open(const std::string& path) {
-  const Patience patience(path, kPatience);
+  const GuardedRead guard(path, kMostSeconds);
   keep_quiet();
   std::error_code error;
   if (!std::filesystem::exists(path, error)) fail(path, "no such file");
@@ -490,7 +490,7 @@ void Hdf5File::link(const std::string& name, const std::string& file, const std:
 }
 
 bool Hdf5File::has(const std::string& name) const {
-  const Patience patience(path_, kPatience);
+  const GuardedRead guard(path_, kMostSeconds);
   keep_quiet();
   for (size_t end = name.find('/', 1);; end = name.find('/', end + 1)) {
     const std::string prefix = name.substr(0, end);
@@ -501,7 +501,7 @@ bool Hdf5File::has(const std::string& name) const {
 }
 
 std::vector<std::string> Hdf5File::list(const std::string& group) const {
-  const Patience patience(path_, kPatience);
+  const GuardedRead guard(path_, kMostSeconds);
   keep_quiet();
   const Id id(H5Gopen2(handle_, group.c_str(), H5P_DEFAULT), H5Gclose);
   H5G_info_t info;
@@ -523,13 +523,13 @@ std::vector<std::string> Hdf5File::list(const std::string& group) const {
 }
 
 Dims Hdf5File::dims(const std::string& name) const {
-  const Patience patience(path_, kPatience);
+  const GuardedRead guard(path_, kMostSeconds);
   keep_quiet();
   return Array(handle_, path_, name, !temporary_path_.empty()).dims;
 }
 
 void Hdf5File::read_raw(const std::string& name, void* data, Hdf5Type memory) const {
-  const Patience patience(path_, kPatience);
+  const GuardedRead guard(path_, kMostSeconds);
   keep_quiet();
   const Array array(handle_, path_, name, !temporary_path_.empty());
   require_numbers(array);
@@ -541,7 +541,7 @@ void Hdf5File::read_raw(const std::string& name, void* data, Hdf5Type memory) co
 
 void Hdf5File::read_rows_raw(const std::string& name, int64_t first, int64_t rows, void* data,
                              Hdf5Type memory) const {
-  const Patience patience(path_, kPatience);
+  const GuardedRead guard(path_, kMostSeconds);
   keep_quiet();
   const Array array(handle_, path_, name, !temporary_path_.empty());
   require_numbers(array);
@@ -565,7 +565,7 @@ Eigen::MatrixXd Hdf5File::read_matrix(const std::string& name) const {
 }
 
 std::vector<std::string> Hdf5File::read_texts(const std::string& name) const {
-  const Patience patience(path_, kPatience);
+  const GuardedRead guard(path_, kMostSeconds);
   keep_quiet();
   const Array array(handle_, path_, name, !temporary_path_.empty());
   const Id type(H5Dget_type(array.id), H5Tclose), space(H5Dget_space(array.id), H5Sclose);
@@ -609,13 +609,13 @@ void Hdf5File::mark_as_image(const std::string& name) {
 }
 
 bool Hdf5File::has_attribute(const std::string& object, const std::string& name) const {
-  const Patience patience(path_, kPatience);
+  const GuardedRead guard(path_, kMostSeconds);
   keep_quiet();
   return has(object) && H5Aexists_by_name(handle_, object.c_str(), name.c_str(), H5P_DEFAULT) > 0;
 }
 
 std::string Hdf5File::text_attribute(const std::string& object, const std::string& name) const {
-  const Patience patience(path_, kPatience);
+  const GuardedRead guard(path_, kMostSeconds);
   keep_quiet();
   const Attribute attribute(handle_, path_, object, name);
   if (H5Tget_class(attribute.type) != H5T_STRING) {
@@ -630,7 +630,7 @@ std::string Hdf5File::text_attribute(const std::string& object, const std::strin
 }
 
 double Hdf5File::number_attribute(const std::string& object, const std::string& name) const {
-  const Patience patience(path_, kPatience);
+  const GuardedRead guard(path_, kMostSeconds);
   keep_quiet();
   const Attribute attribute(handle_, path_, object, name);
   if (!is_number(attribute.type)) throw InputError(attribute.where + " is not a number");
