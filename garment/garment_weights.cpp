@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "body/skinning.h"
+#include "core/mesh.h"
 #include "core/proximity.h"
 
 namespace pleat::garment {
@@ -34,10 +35,9 @@ Around skin_around(const Eigen::Ref<const Points3>& points, const SurfaceTree& s
   const Points3& skin = surface.vertices();
   const Faces& faces = surface.faces();
   Eigen::ArrayXd area = Eigen::ArrayXd::Zero(skin.rows());
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    const Vec<3> a = skin.row(faces(f, 0)), b = skin.row(faces(f, 1)), c = skin.row(faces(f, 2));
-    for (int k = 0; k < 3; ++k) area[faces(f, k)] += (b - a).cross(c - a).norm() / 6;
-  }
+  const Eigen::VectorXd of_faces = face_areas(skin, faces);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) area[faces(f, k)] += of_faces[f] / 3;
   Around around{Eigen::MatrixXd(points.rows(), body_weights.cols()),
                 Eigen::VectorXd(points.rows())};
   for (Eigen::Index v = 0; v < points.rows(); ++v) {

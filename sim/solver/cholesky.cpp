@@ -52,15 +52,15 @@ class SingleThread {
 
 }  // namespace
 
-// Columns first .. first + columns of the factor: dense, by columns, as high as `rows` are many,
-// the first of which are those columns; from `start` on in the factor's numbers.
-struct Supernode {
-  int first, columns, height;
-  const int* rows;
-  int start;
-};
-
 struct Cholesky::Impl {
+  // Columns first .. first + columns of the factor: dense, by columns, as high as `rows` are many,
+  // the first of which are those columns; from `start` on in the factor's numbers.
+  struct Supernode {
+    int first, columns, height;
+    const int* rows;
+    int start;
+  };
+
   cholmod_common common;
   cholmod_sparse* matrix = nullptr;  // lower triangle, column-compressed
   cholmod_factor* factor = nullptr;
@@ -338,7 +338,7 @@ void Cholesky::solve_roughly(const Eigen::VectorXd& right_side, Eigen::VectorXd&
   const int supernodes = static_cast<int>(factor.nsuper), step = 1;
   const float one = 1, minus = -1, zero = 0;
   for (int s = 0; s < supernodes; ++s) {
-    const Supernode node = impl_->at(s);
+    const Impl::Supernode node = impl_->at(s);
     const int below = node.height - node.columns;
     const float* values = impl_->rough.data() + node.start;
     float* head = y.data() + node.first;
@@ -350,7 +350,7 @@ void Cholesky::solve_roughly(const Eigen::VectorXd& right_side, Eigen::VectorXd&
     for (int i = 0; i < below; ++i) y[row[i]] -= gathered[i];
   }
   for (int s = supernodes - 1; s >= 0; --s) {
-    const Supernode node = impl_->at(s);
+    const Impl::Supernode node = impl_->at(s);
     const int below = node.height - node.columns;
     const float* values = impl_->rough.data() + node.start;
     float* head = y.data() + node.first;

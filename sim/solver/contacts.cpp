@@ -73,14 +73,16 @@ void ContactSearch::forget() {
   for (Supports& seen : supports_) seen.contacts.clear();
 }
 
+double ContactSearch::room_of(int vertex, const Eigen::VectorXd& x) const {
+  return reach_[vertex] - (x.segment<3>(3 * vertex) - found_at_.segment<3>(3 * vertex)).norm();
+}
+
 double ContactSearch::known_share(const std::vector<int>& vertices, const Eigen::VectorXd& x,
                                   const Eigen::VectorXd& step) const {
   if (!is_known_) return 0;
   double share = 1;
   for (const int v : vertices) {
-    const Vec<3> strayed = x.segment<3>(3 * v) - found_at_.segment<3>(3 * v);
-    const Vec<3> further = step.segment<3>(3 * v);
-    const double room = reach_[v] - strayed.norm(), length = further.norm();
+    const double room = room_of(v, x), length = step.segment<3>(3 * v).norm();
     if (share * length > room) share = std::max(0.0, room / length);
   }
   return share;
@@ -104,9 +106,7 @@ void ContactSearch::prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& ste
   if (is_known_) {
     asked = 0;
     for (int v = 0; v < count(); ++v) {
-      const double strayed = (x.segment<3>(3 * v) - found_at_.segment<3>(3 * v)).norm() +
-                             step.segment<3>(3 * v).norm();
-      is_asked[v] = strayed > reach_[v];
+      is_asked[v] = step.segment<3>(3 * v).norm() > room_of(v, x);
       asked += is_asked[v];
     }
     if (asked == 0) return;

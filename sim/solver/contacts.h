@@ -84,6 +84,8 @@ class ContactSearch {
 
  private:
   int count() const { return static_cast<int>(areas_.size()); }
+  // How much farther a vertex may move from x until something may be near of which is not known, m.
+  double room_of(int vertex, const Eigen::VectorXd& x) const;
   double range_of(const NearPair& pair) const;
   PairPoints points_of(const NearPair& pair, const Eigen::VectorXd& x) const;
   Anchor anchor_below(const Vec<3>& place, const Vec<3>& normal) const;

@@ -8,6 +8,15 @@
 #include "core/mesh.h"
 
 namespace pleat::sim {
+
+// A face at the start, and how far its corners may stray from there and from one another.
+struct Plate {
+  Vec<3> corner[3], normal;
+  double height;  // the least of the three
+  double reach;
+  Vec<3> motion_low, motion_high;
+};
+
 namespace {
 
 // Each vertex and each edge of a mesh belongs to one face, so that pairs of faces give each pair of
@@ -26,18 +35,7 @@ std::vector<char> owned_features(const Faces& faces, Eigen::Index vertex_count) 
   return owned;
 }
 
-}  // namespace
-
-// A face at the start, and how far its corners may stray from there and from one another.
-struct PairFinder::Plate {
-  Vec<3> corner[3], normal;
-  double height;  // the least of the three
-  double reach;
-  Vec<3> motion_low, motion_high;
-};
-
-std::vector<PairFinder::Plate> PairFinder::make_plates(const Scene& scene, const Faces& faces,
-                                                       int first) {
+std::vector<Plate> make_plates(const Scene& scene, const Faces& faces, int first) {
   std::vector<Plate> plates(faces.rows());
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     Plate& plate = plates[f];
@@ -66,8 +64,8 @@ std::vector<PairFinder::Plate> PairFinder::make_plates(const Scene& scene, const
 // another) keep at least. Where all faces of the fan lean less than 50 degrees from a common
 // direction, they cover the plane across it without overlap, and in it no corner is nearer to a
 // face of the fan than a face is high; else 0.
-std::vector<double> PairFinder::distances_in_fans(const std::vector<Plate>& plates,
-                                                  const Faces& faces, int vertex_count) {
+std::vector<double> distances_in_fans(const std::vector<Plate>& plates, const Faces& faces,
+                                      int vertex_count) {
   constexpr double kLeast = 0.64;  // cosine of 50 degrees
   std::vector<Vec<3>> mean(vertex_count, Vec<3>::Zero());
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
@@ -83,10 +81,7 @@ std::vector<double> PairFinder::distances_in_fans(const std::vector<Plate>& plat
   return result;
 }
 
-namespace {
-
 // How far b stays off the plane of a, on either side; 0 where it crosses it.
-template <typename Plate>
 double off_plane(const Plate& a, const Plate& b) {
   const double base = a.normal.dot(a.corner[0]);
   const double d0 = a.normal.dot(b.corner[0]) - base, d1 = a.normal.dot(b.corner[1]) - base,
@@ -94,7 +89,6 @@ double off_plane(const Plate& a, const Plate& b) {
   return std::max({std::min({d0, d1, d2}), -std::max({d0, d1, d2}), 0.0});
 }
 
-template <typename Plate>
 bool is_off_box(const Vec<3>& point, const Plate& plate, double range) {
   for (int k = 0; k < 3; ++k) {
     const double a = plate.corner[0][k], b = plate.corner[1][k], c = plate.corner[2][k];

@@ -32,9 +32,11 @@ struct Scene {
   // What cloth and body do not hold off each other: body faces that are switched off, with the
   // edges and corners that only such faces share, and loose cloth vertices. Empty: none.
   std::vector<char> is_face_off, is_loose;
-  std::vector<char>
-      is_asked;  // cloth vertices; pairs without any of these are left out. Empty: none
+  // Cloth vertices: pairs without any of these are left out. Empty: none.
+  std::vector<char> is_asked;
 };
+
+struct Plate;  // a face of the scene as the finder looks at it
 
 class PairFinder {
  public:
@@ -53,7 +55,6 @@ class PairFinder {
   Found find(const Scene& scene, const PairRanges& ranges);
 
  private:
-  struct Plate;
   struct Part {  // cloth or body
     Faces faces;
     int first;                // vertex of the scene
@@ -61,9 +62,6 @@ class PairFinder {
     Faces across;             // of each face: the face behind each of these edges, -1 at a boundary
     SweptTree tree;
   };
-  static std::vector<Plate> make_plates(const Scene& scene, const Faces& faces, int first);
-  static std::vector<double> distances_in_fans(const std::vector<Plate>& plates, const Faces& faces,
-                                               int vertex_count);
   void refit_body(const Scene& scene, double range);
 
   Part cloth_, body_;
