@@ -217,6 +217,7 @@ void ContactSearch::find_supports(int vertex, const Vec<3>& x, Supports& found) 
   found.at = x;
   found.contacts.clear();
   found.leader = 0;
+  found.normal.setZero();
   const int begin = found_.rest_start[vertex], end = found_.rest_start[vertex + 1];
   if (begin == end) return;
   const Points3& vertices = body_.vertices();
@@ -285,12 +286,20 @@ void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, To
   }
   if (!(force[0] + force[1] > 0)) return;
   constexpr double kFarStronger = 2;
-  if (force[1 - seen.leader] > kFarStronger * force[seen.leader]) seen.leader = 1 - seen.leader;
+  const bool has_lost = force[1 - seen.leader] > kFarStronger * force[seen.leader];
+  if (has_lost) seen.leader = 1 - seen.leader;
   const Vec<3>& normal = direction[seen.leader];
-  if (anchor.face < 0) anchor = anchor_below(x, normal);
-  touching.frictions.push_back({vertex, body_.point(anchor.face, anchor.barycentric), normal,
-                                friction_ * (force[0] + force[1]),
-                                config_.stick_N_per_m3 * areas_[vertex]});
+  const double limit = friction_ * (force[0] + force[1]);
+  if (has_lost || follow_ == 1 || seen.normal.isZero(0)) {
+    seen.normal = normal;
+    seen.limit = limit;
+  } else {
+    seen.normal = (seen.normal + follow_ * (normal - seen.normal)).normalized();
+    seen.limit += follow_ * (limit - seen.limit);
+  }
+  if (anchor.face < 0) anchor = anchor_below(x, seen.normal);
+  touching.frictions.push_back({vertex, body_.point(anchor.face, anchor.barycentric), seen.normal,
+                                seen.limit, config_.stick_N_per_m3 * areas_[vertex]});
 }
 
 // The smooth surface does not reach deep inside: loose vertices are pulled to planes.
@@ -379,51 +388,77 @@ double ContactSearch::free_share(const std::vector<int>& pairs, const Eigen::Vec
   return share;
 }
 
-// Impact zones (Provot 1997, "Collision and self-collision handling in cloth model dedicated to
-// design garments"): what would meet moves together, with the body if that is among it.
-double ContactSearch::make_way(const Scene& still, const Points3& body_motion, int passes,
+namespace {
+
+// Where the features of a pair would meet: what the ends of their motions must keep apart.
+struct Meeting {
+  std::array<int, 4> vertices;
+  Vec<4> weights;  // of the vertices in the features' difference,
+  Vec<3> normal;   // the part of it along which
+  double least;    // must not fall below this, m
+  double when;     // share of the motion
+};
+
+Meeting meeting_of(const NearPair& pair, const PairPoints& points, const PairPoints& motion,
+                   double when) {
+  constexpr double kLeft = 0.5;  // of what is between them
+  const PairDistance met = pair_distance(pair.kind, points + when * motion);
+  const Vec<3> normal = met.difference.normalized();
+  const double between = std::min(std::sqrt(squared_pair_distance(pair.kind, points)),
+                                  normal.dot(points * met.weights));
+  return {pair.vertices, met.weights, normal, kLeft * std::max(0.0, between), when};
+}
+
+}  // namespace
+
+// Each pair that would meet gives a plane between its features; the ends of the cloth's motions are
+// projected to the right sides of all planes, one after another (Mueller et al. 2007, "Position
+// based dynamics", section 3.5), and pairs are looked for again.
+double ContactSearch::make_way(const Scene& still, const Points3& body_motion,
                                Eigen::VectorXd& step) {
-  const Eigen::Index all = still.positions.rows();
+  constexpr int kMostPasses = 8, kSweeps = 20;
   Scene scene = still;
   scene.reach.setConstant(kApart);
-  scene.motion.resize(all, 3);
+  scene.motion.resize(still.positions.rows(), 3);
+  scene.motion.topRows(count()) = Eigen::Map<const Points3>(step.data(), count(), 3);
   scene.motion.bottomRows(body_motion.rows()) = body_motion;
-  std::vector<int> zone(all);
-  std::iota(zone.begin(), zone.end(), 0);
-  const auto root = [&](int v) {
-    while (zone[v] != v) v = zone[v] = zone[zone[v]];
-    return v;
-  };
+  std::vector<Meeting> meetings;
+  double best = 0;
   for (int pass = 0;; ++pass) {
-    scene.motion.topRows(count()) = Eigen::Map<const Points3>(step.data(), count(), 3);
-    double least = 1;
+    double share = 1;
     for (const NearPair& pair : finder_.find(scene, {0, 0, 0}).pairs) {
       PairPoints points, motion;
       for (int k = 0; k < 4; ++k) {
         points.col(k) = scene.positions.row(pair.vertices[k]).transpose();
         motion.col(k) = scene.motion.row(pair.vertices[k]).transpose();
       }
-      const double share = free_motion(pair.kind, points, motion, kKeep);
-      if (share == 1) continue;
-      least = std::min(least, share);
-      for (int k = 1; k < 4; ++k) {
-        const int a = root(pair.vertices[0]), b = root(pair.vertices[k]);
-        zone[std::min(a, b)] = std::max(a, b);  // the root is of the body, if any of the zone is
+      const double free = free_motion(pair.kind, points, motion, kKeep);
+      if (free == 1) continue;
+      share = std::min(share, free);
+      meetings.push_back(meeting_of(pair, points, motion, free));
+    }
+    if (share > best) {
+      best = share;
+      step = Eigen::Map<const Eigen::VectorXd>(scene.motion.data(), 3 * count());
+    }
+    if (share == 1 || pass == kMostPasses) return best;
+    std::stable_sort(meetings.begin(), meetings.end(),
+                     [](const Meeting& a, const Meeting& b) { return a.when < b.when; });
+    for (int sweep = 0; sweep < kSweeps; ++sweep)
+      for (const Meeting& meeting : meetings) {
+        double apart = 0, weight = 0;
+        for (int k = 0; k < 4; ++k) {
+          const int v = meeting.vertices[k];
+          apart +=
+              meeting.weights[k] * meeting.normal.dot(scene.positions.row(v) + scene.motion.row(v));
+          if (v < count()) weight += meeting.weights[k] * meeting.weights[k];
+        }
+        if (apart >= meeting.least || weight == 0) continue;
+        for (int k = 0; k < 4; ++k)
+          if (meeting.vertices[k] < count())
+            scene.motion.row(meeting.vertices[k]) +=
+                (meeting.least - apart) * meeting.weights[k] / weight * meeting.normal.transpose();
       }
-    }
-    if (least == 1 || pass == passes) return least;
-    Points3 sum = Points3::Zero(all, 3);
-    Eigen::VectorXd members = Eigen::VectorXd::Zero(all);
-    for (int v = 0; v < all; ++v) {
-      const int r = root(v);
-      if (r >= count() && v < count()) continue;
-      sum.row(r) += scene.motion.row(v);
-      ++members[r];
-    }
-    for (int v = 0; v < count(); ++v) {
-      const int r = root(v);
-      if (r != v || members[v] > 1) step.segment<3>(3 * v) = sum.row(r).transpose() / members[r];
-    }
   }
 }
 
@@ -435,14 +470,14 @@ double ContactSearch::free_share_with_body(const Eigen::VectorXd& x, const Point
     scene.is_face_off[f] |= is_off_next[f];
     may_cross_ |= scene.is_face_off[f] != 0;
   }
-  return make_way(scene, body_next - body_.vertices(), 8, step);
+  return make_way(scene, body_next - body_.vertices(), step);
 }
 
 double ContactSearch::free_share_without_body(const Eigen::VectorXd& x, Eigen::VectorXd& step) {
   may_cross_ = true;
   Scene scene = scene_at(x);
   scene.is_face_off.assign(body_.faces().rows(), 1);
-  return make_way(scene, Points3::Zero(body_.vertices().rows(), 3), 40, step);
+  return make_way(scene, Points3::Zero(body_.vertices().rows(), 3), step);
 }
 
 void ContactSearch::settle_anchors(const Eigen::VectorXd& x, std::vector<Anchor>& anchors) {

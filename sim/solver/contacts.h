@@ -58,6 +58,11 @@ class ContactSearch {
   void prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step);
   int search_count() const { return search_count_; }
 
+  // How far friction's frozen normal and limit follow those of the moment, at each look: 1 all the
+  // way. The slip from an anchor millimetres below depends so much on the normal that where this
+  // turns fast, as in an armpit, iterations that follow it all the way may cycle.
+  void follow_friction(double share) { follow_ = share; }
+
   // What follows holds where all is known.
   Touching touching(const std::vector<int>& vertices, const Eigen::VectorXd& x,
                     std::vector<Anchor>& anchors);
@@ -70,9 +75,9 @@ class ContactSearch {
   double free_share(const std::vector<int>& pairs, const Eigen::VectorXd& x,
                     const Eigen::VectorXd& step) const;
 
-  // The same where the body runs on to body_next meanwhile; needs nothing to be known. What is in
-  // the way of one another is first made to move together: changes `step`. is_off_next: body faces
-  // that are switched off there.
+  // The same where the body runs on to body_next meanwhile; needs nothing to be known. First
+  // changes `step` where things would be in the way of one another. is_off_next: body faces that
+  // are switched off there.
   double free_share_with_body(const Eigen::VectorXd& x, const Points3& body_next,
                               const std::vector<char>& is_off_next, Eigen::VectorXd& step);
   // The same for the cloth alone; the body may pass through it.
@@ -95,7 +100,9 @@ class ContactSearch {
   struct Supports {
     Vec<3> at;  // m, where the vertex stood when they were found
     std::vector<Contact> contacts;
-    int leader = 0;  // whose tangent plane friction acts in
+    int leader = 0;    // whose tangent plane friction acts in
+    Vec<3> normal;     // of friction, as it was last; 0: there was none
+    double limit = 0;  // the same, N
   };
   void find_supports(int vertex, const Vec<3>& x, Supports& found) const;
   void add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, Touching& touching);
@@ -103,8 +110,7 @@ class ContactSearch {
   void find_loose(const Eigen::VectorXd& x);
   void learn(const PairFinder::Found& fresh, const std::vector<char>& is_asked);
   Scene scene_at(const Eigen::VectorXd& x) const;
-  double make_way(const Scene& still, const Points3& body_motion, int passes,
-                  Eigen::VectorXd& step);
+  double make_way(const Scene& still, const Points3& body_motion, Eigen::VectorXd& step);
   template <typename Action>
   void for_each_barrier(const std::vector<int>& pairs, const Eigen::VectorXd& x,
                         Action action) const;
@@ -123,6 +129,7 @@ class ContactSearch {
   std::vector<char> is_loose_;
   std::vector<Supports> supports_;  // of each vertex
   Eigen::VectorXd loose_at_;        // where they were looked for
+  double follow_ = 1;
   bool is_known_ = false;
   int search_count_ = 0;
   PairFinder::Found found_;

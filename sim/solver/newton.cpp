@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "core/error.h"
@@ -21,6 +22,8 @@ constexpr double kLanding = 0.6;  // of the contact distance: how deep a step ma
 constexpr double kLanded = 0.7;   // unless it starts from below this
 constexpr double kArmijo = 1e-4;  // of the slope: the least fall of the energy
 constexpr int kMostHalvings = 3;
+constexpr int kPatience = 12;        // iterations in which the residual should halve,
+constexpr double kFollow = 0.3;      // else this is how far friction follows in one
 constexpr double kRounding = 1e-13;  // of the energy
 
 // The worst part of a cloth, where it is small: vertices with most of the squared residual, and
@@ -197,9 +200,11 @@ void Minimiser::advance(Patch& patch) {
     for (size_t i = 0; i < inverse.size(); ++i)
       z.segment<3>(3 * i) = inverse[i] * r.segment<3>(3 * i);
   };
-  const TrustRegionStep solved = trust_region_step(
-      linear, gradient, patch.radius,
-      {std::min(0.1, std::sqrt(residual)), patch.is_whole ? 60 : 200}, precondition);
+  const TrustRegionStep solved =
+      trust_region_step(linear, gradient, patch.radius,
+                        {std::min(0.1, std::sqrt(residual)), patch.is_whole ? 60 : 200,
+                         patch.is_whole && residual <= config_.residual},
+                        precondition);
   patch.products = solved.iterations;
   if (patch.is_whole) result_.products += solved.iterations;
 
@@ -274,12 +279,20 @@ bool Minimiser::settle_worst() {
 
 NewtonResult Minimiser::run() {
   Patch all{whole(cloth_), true};
+  contacts_.follow_friction(1);
   contacts_.prepare(x_, step_);
-  bool is_fresh = false, was_local = false;
+  bool is_fresh = false, was_local = false, is_cautious = false;
+  double least = std::numeric_limits<double>::infinity();
+  int least_at = 0;
   while (true) {
     result_.residual = evaluate(all, Order::kHessian);
     if (!std::isfinite(result_.residual))
       throw SolverError("the forces on the cloth are not finite");
+    if (is_cautious && result_.residual <= config_.residual) {  // with friction as it is?
+      contacts_.follow_friction(1);
+      result_.residual = evaluate(all, Order::kHessian);
+      contacts_.follow_friction(kFollow);
+    }
     const bool is_settled = result_.residual <= config_.residual;
     if (is_settled) {
       result_.is_stable = config_.must_be_stable && is_minimum(all);
@@ -289,6 +302,13 @@ NewtonResult Minimiser::run() {
       is_fresh = false;
     }
     if ((should_stop_ && should_stop_()) || result_.iterations >= config_.max_iterations) break;
+    if (result_.residual < 0.5 * least) {
+      least = result_.residual;
+      least_at = result_.iterations;
+    } else if (result_.iterations > least_at + kPatience && !is_cautious) {
+      is_cautious = true;
+      contacts_.follow_friction(kFollow);
+    }
     if (!is_settled && result_.iterations > 0 && !was_local) {
       was_local = settle_worst();
       if (was_local) {

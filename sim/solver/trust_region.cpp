@@ -1,15 +1,17 @@
 #include "sim/solver/trust_region.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pleat::sim {
 
 // p: the step, d: the direction, r: what is left of -gradient - H p, z = M^-1 r. pp, pd, dd are
-// products in the norm of M, which needs no product with M (Conn, Gould and Toint 2000, "Trust-Region
-// Methods", section 7.5.1).
+// products in the norm of M, which needs no product with M (Conn, Gould and Toint 2000,
+// "Trust-Region Methods", section 7.5.1).
 TrustRegionStep trust_region_step(const NewtonSystem& system, const Eigen::VectorXd& gradient,
                                   double radius, const TrustRegionConfig& config,
                                   const Preconditioner& precondition) {
+  constexpr double kFarther = 2;  // times as long may negative curvature make the step
   constexpr double kFlat = 1e-6;  // curvature over that of M below which a direction counts as flat
   TrustRegionStep result;
   result.step = Eigen::VectorXd::Zero(gradient.size());
@@ -26,6 +28,8 @@ TrustRegionStep trust_region_step(const NewtonSystem& system, const Eigen::Vecto
     multiply(system, d, Hd);
     const double curvature = d.dot(Hd), alpha = rz / curvature;
     result.has_negative_curvature = !(curvature > kFlat * dd);
+    if (result.has_negative_curvature && pp > 0 && !config.is_at_saddle)
+      radius = std::min(radius, kFarther * std::sqrt(pp));
     const double next_pp = pp + 2 * alpha * pd + alpha * alpha * dd;
     if (result.has_negative_curvature || next_pp > radius * radius) {
       const double tau = (-pd + std::sqrt(pd * pd + dd * (radius * radius - pp))) / dd;

@@ -1,6 +1,8 @@
 // A step that lowers the quadratic model of the energy as far as conjugate gradients and a radius
 // allow: Steihaug 1983, "The Conjugate Gradient Method and Trust Regions in Large Scale
-// Optimization". Where the model curves downwards the step goes on to the radius: out of saddles.
+// Optimization". Where the model curves downwards the step goes on no farther than it came: how far
+// the model holds there nobody knows, and mostly it is not far. Only the first direction, and any
+// at a saddle, is followed to the radius.
 #pragma once
 
 #include <functional>
@@ -15,12 +17,13 @@ using Preconditioner = std::function<void(const Eigen::VectorXd& r, Eigen::Vecto
 struct TrustRegionConfig {
   double tolerance = 0.1;  // stop at this share of the residual, in the norm of M^-1
   int max_iterations = 60;
+  bool is_at_saddle = false;
 };
 
 struct TrustRegionStep {
   Eigen::VectorXd step;
-  double length = 0;       // in the norm of M
-  double model = 0;        // change of energy that the model foretells, J, <= 0
+  double length = 0;  // in the norm of M
+  double model = 0;   // change of energy that the model foretells, J, <= 0
   bool at_radius = false;
   bool has_negative_curvature = false;
   int iterations = 0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "core/proximity.h"
@@ -423,7 +424,7 @@ TEST(FreeShare, LayersDoNotPassThroughOneAnother) {
 
 // The cloth is made to move with the body that comes at it.
 TEST(FreeShareWithBody, TakesTheClothAlong) {
-  for (const double way : {0.0101, 0.05, 3.0}) {
+  for (const double way : {0.0101, 0.05, 0.3, 1.0}) {
     OverGround scene(0.01);
     Points3 next = scene.body.vertices();
     next.col(1).array() += way;
@@ -578,6 +579,39 @@ TEST(Touching, FirstTouchIsFreeOfFriction) {
     EXPECT_LE(friction_energy(friction, at, Order::kGradient).gradient.norm(),
               0.01 * friction.limit + 1e-9);
   }
+}
+
+// Told to follow by a share, friction comes closer by it at each look.
+TEST(Touching, FrictionFollowsAsFarAsItIsTold) {
+  DressedBall scene;
+  ContactSearch contacts = scene.search();
+  const std::vector<int> lower = all_of(DressedBall::kLayer);
+  Eigen::VectorXd x = scene.x;
+  const auto look = [&](double share) {
+    std::map<int, Friction> result;
+    contacts.follow_friction(share);
+    contacts.prepare(x, no_step(x));
+    for (const Friction& friction : contacts.touching(lower, x, scene.anchors).frictions)
+      result.emplace(friction.vertex, friction);
+    return result;
+  };
+  const auto before = look(1);
+  for (const int v : lower)  // up to 1 mm, around and into the ball
+    x.segment<3>(3 * v) =
+        0.9995 * (Eigen::AngleAxisd(0.01, Vec<3>::UnitY()) * scene.x.segment<3>(3 * v));
+  const auto once = look(0.3), twice = look(0.3), there = look(1);
+  int seen = 0;
+  for (const auto& [v, from] : before) {
+    const Friction &to = there.at(v), &a = once.at(v), &b = twice.at(v);
+    const double way = (to.normal - from.normal).norm();
+    if (way < 1e-3) continue;
+    EXPECT_NEAR((a.normal - from.normal).norm(), 0.3 * way, 1e-3 * way);
+    EXPECT_NEAR((b.normal - from.normal).norm(), 0.51 * way, 1e-3 * way);
+    EXPECT_NEAR(a.limit, from.limit + 0.3 * (to.limit - from.limit), 1e-12);
+    EXPECT_NEAR(b.limit, from.limit + 0.51 * (to.limit - from.limit), 1e-12);
+    ++seen;
+  }
+  EXPECT_GT(seen, 50);
 }
 
 TEST(SettleAnchors, AreDroppedWhereTheClothLeaves) {

@@ -45,10 +45,9 @@ struct Quadratic {
   }
 
   TrustRegionStep step(double radius, TrustRegionConfig config = {1e-10, 60}) const {
-    return trust_region_step({cloth, region, matrix, barriers}, gradient, radius, config,
-                             [this](const Eigen::VectorXd& r, Eigen::VectorXd& z) {
-                               z = factor.solve(r);
-                             });
+    return trust_region_step(
+        {cloth, region, matrix, barriers}, gradient, radius, config,
+        [this](const Eigen::VectorXd& r, Eigen::VectorXd& z) { z = factor.solve(r); });
   }
   double norm(const Eigen::VectorXd& p) const { return std::sqrt(p.dot(M * p)); }
   double model(const Eigen::VectorXd& p) const { return gradient.dot(p) + 0.5 * p.dot(H * p); }
@@ -126,10 +125,10 @@ TEST(TrustRegion, GainsHalfOfTheBestAtLeast) {
   }
 }
 
-TEST(TrustRegion, FollowsNegativeCurvatureToTheRadius) {
+TEST(TrustRegion, FollowsNegativeCurvatureToTheRadiusAtASaddle) {
   const Quadratic problem(saddle());
   for (const double radius : {0.1, 1.0, 10.0, 100.0}) {
-    const TrustRegionStep step = problem.step(radius);
+    const TrustRegionStep step = problem.step(radius, {1e-10, 60, true});
     expect_truthful(problem, step, radius);
     EXPECT_TRUE(step.at_radius);
     EXPECT_GE(step.model, problem.least_model(radius) * (1 + 1e-9));
@@ -143,6 +142,20 @@ TEST(TrustRegion, FollowsNegativeCurvatureToTheRadius) {
     EXPECT_TRUE(step.has_negative_curvature);
     EXPECT_LT(step.step.dot(problem.H * step.step), 0);  // far out, the saddle is left behind
   }
+}
+
+TEST(TrustRegion, GoesAlongNegativeCurvatureNoFartherThanItCameElsewhere) {
+  const Quadratic problem(saddle());
+  const TrustRegionStep near = problem.step(100), far = problem.step(1e4);
+  expect_truthful(problem, near, near.length);
+  EXPECT_TRUE(near.has_negative_curvature);
+  EXPECT_EQ(near.step, far.step);
+  const TrustRegionStep along = problem.step(100, {1e-10, 60, true});
+  EXPECT_LT(near.length, 0.5 * along.length);
+  EXPECT_EQ(near.iterations, along.iterations);
+  const TrustRegionStep before = problem.step(100, {1e-10, near.iterations - 1});
+  EXPECT_FALSE(before.has_negative_curvature);
+  EXPECT_NEAR(near.length, 2 * before.length, 1e-9 * near.length);
 }
 
 // Where nothing resists, the step would have no end.
