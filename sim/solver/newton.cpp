@@ -69,6 +69,8 @@ class Minimiser {
   };
   // What touches, and the system at x_. Returns the residual.
   double evaluate(Patch& patch, Order order);
+  // The same of the whole cloth, friction following what is there by so much.
+  double evaluate_following(Patch& all, double share);
   void know_pairs(Patch& patch);
   // One step in the patch.
   void advance(Patch& patch);
@@ -112,6 +114,13 @@ double Minimiser::evaluate(Patch& patch, Order order) {
   barriers_ = contacts_.barriers(patch.pairs, x_, order);
   assemble(cloth_, patch.region, touching_, barriers_, x_, order, system_);
   return restrict_to(patch.region, system_.gradient).norm() / cloth_.weight_norm;
+}
+
+double Minimiser::evaluate_following(Patch& all, double share) {
+  contacts_.follow_friction(share);
+  const double residual = evaluate(all, Order::kHessian);
+  contacts_.follow_friction(share < 1 ? 0 : 1);
+  return residual;
 }
 
 // What preconditions the steps. Far from rest, a positive definite part of the Hessian serves; near
@@ -279,20 +288,16 @@ bool Minimiser::settle_worst() {
 
 NewtonResult Minimiser::run() {
   Patch all{whole(cloth_), true};
-  contacts_.follow_friction(1);
   contacts_.prepare(x_, step_);
   bool is_fresh = false, was_local = false, is_cautious = false;
   double least = std::numeric_limits<double>::infinity();
   int least_at = 0;
   while (true) {
-    result_.residual = evaluate(all, Order::kHessian);
+    result_.residual = evaluate_following(all, is_cautious ? kFollow : 1);
     if (!std::isfinite(result_.residual))
       throw SolverError("the forces on the cloth are not finite");
-    if (is_cautious && result_.residual <= config_.residual) {  // with friction as it is?
-      contacts_.follow_friction(1);
-      result_.residual = evaluate(all, Order::kHessian);
-      contacts_.follow_friction(kFollow);
-    }
+    if (is_cautious && result_.residual <= config_.residual)
+      result_.residual = evaluate_following(all, 1);
     const bool is_settled = result_.residual <= config_.residual;
     if (is_settled) {
       result_.is_stable = config_.must_be_stable && is_minimum(all);
@@ -305,10 +310,8 @@ NewtonResult Minimiser::run() {
     if (result_.residual < 0.5 * least) {
       least = result_.residual;
       least_at = result_.iterations;
-    } else if (result_.iterations > least_at + kPatience && !is_cautious) {
-      is_cautious = true;
-      contacts_.follow_friction(kFollow);
     }
+    is_cautious = is_cautious || result_.iterations > least_at + kPatience;
     if (!is_settled && result_.iterations > 0 && !was_local) {
       was_local = settle_worst();
       if (was_local) {
@@ -323,6 +326,7 @@ NewtonResult Minimiser::run() {
     is_fresh = all.products <= kStale && all.was_good;
     ++result_.iterations;
   }
+  contacts_.follow_friction(1);
   return result_;
 }
 
