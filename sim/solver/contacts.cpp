@@ -109,9 +109,9 @@ void ContactSearch::prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& ste
       is_asked[v] = step.segment<3>(3 * v).norm() > room_of(v, x);
       asked += is_asked[v];
     }
-    if (asked == 0) return;
+    if (asked == 0) return measure(x, found_.pairs.size());
   } else {
-    found_at_ = x;
+    found_at_ = measured_at_ = x;
     reach_.resize(count());
     found_ = {};
     found_.rest_start.assign(count() + 1, 0);
@@ -124,15 +124,34 @@ void ContactSearch::prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& ste
   Scene scene = scene_at(found_at_);
   scene.reach.head(count()) = reach_;
   if (asked < count()) scene.is_asked = is_asked;
-  learn(finder_.find(scene, {config_.layer_distance_m, config_.barrier_distance_m,
-                             config_.distance_m + kOutside}),
-        is_asked);
+  const size_t old =
+      learn(finder_.find(scene, {config_.layer_distance_m, config_.barrier_distance_m,
+                                 config_.distance_m + kOutside}),
+            is_asked);
+  measure(x, old);
   is_known_ = true;
   ++search_count_;
 }
 
-// What was found takes the place of what is known of the vertices that were asked for.
-void ContactSearch::learn(const PairFinder::Found& fresh, const std::vector<char>& is_asked) {
+// Bounds the distances of pairs at x, of those that may matter soon by measuring them. The first
+// `old` were measured at measured_at_, the others as they were found.
+void ContactSearch::measure(const Eigen::VectorXd& x, size_t old) {
+  constexpr double kSoon = 0.002;    // m, over the range
+  constexpr double kWorth = 0.0002;  // m: if nothing has moved as much, bounds are good enough
+  const Eigen::VectorXd move = moves(measured_at_, x), fresh_move = moves(found_at_, x);
+  if (old == found_.pairs.size() && !(move.maxCoeff() > kWorth)) return;
+  for (size_t i = 0; i < found_.pairs.size(); ++i) {
+    NearPair& pair = found_.pairs[i];
+    pair.distance -= approach(pair, i < old ? move : fresh_move);
+    if (pair.distance < range_of(pair) + kSoon)
+      pair.distance = std::sqrt(squared_pair_distance(pair.kind, points_of(pair, x)));
+  }
+  measured_at_ = x;
+}
+
+// What was found takes the place of what is known of the vertices that were asked for. Returns how
+// many pairs are still the old ones; the others follow.
+size_t ContactSearch::learn(const PairFinder::Found& fresh, const std::vector<char>& is_asked) {
   std::vector<NearPair>& pairs = found_.pairs;
   pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
                              [&](const NearPair& pair) {
@@ -141,6 +160,7 @@ void ContactSearch::learn(const PairFinder::Found& fresh, const std::vector<char
                                    [&](int v) { return v < count() && is_asked[v]; });
                              }),
               pairs.end());
+  const size_t old = pairs.size();
   pairs.insert(pairs.end(), fresh.pairs.begin(), fresh.pairs.end());
   std::vector<int> start = {0}, faces;
   for (int v = 0; v < count(); ++v) {
@@ -151,6 +171,7 @@ void ContactSearch::learn(const PairFinder::Found& fresh, const std::vector<char
   }
   found_.rest_start = std::move(start);
   found_.rest_faces = std::move(faces);
+  return old;
 }
 
 void ContactSearch::find_loose(const Eigen::VectorXd& x) {
@@ -342,7 +363,7 @@ Touching ContactSearch::touching(const std::vector<int>& vertices, const Eigen::
 template <typename Action>
 void ContactSearch::for_each_barrier(const std::vector<int>& pairs, const Eigen::VectorXd& x,
                                      Action action) const {
-  const Eigen::VectorXd move = moves(found_at_, x);
+  const Eigen::VectorXd move = moves(measured_at_, x);
   for (const int i : pairs) {
     const NearPair& pair = found_.pairs[i];
     const double range = range_of(pair);
@@ -375,7 +396,7 @@ std::vector<ActiveBarrier> ContactSearch::barriers(const std::vector<int>& pairs
 
 double ContactSearch::free_share(const std::vector<int>& pairs, const Eigen::VectorXd& x,
                                  const Eigen::VectorXd& step) const {
-  const Eigen::VectorXd reach = moves(found_at_, x) + moves(x, x + step);
+  const Eigen::VectorXd reach = moves(measured_at_, x) + moves(x, x + step);
   double share = 1;
   for (const int i : pairs) {
     const NearPair& pair = found_.pairs[i];

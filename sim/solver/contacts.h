@@ -59,8 +59,8 @@ class ContactSearch {
   int search_count() const { return search_count_; }
 
   // How far friction's frozen normal and limit follow those of the moment, at each look: 1 all the
-  // way. The slip from an anchor millimetres below depends so much on the normal that where this
-  // turns fast, as in an armpit, iterations that follow it all the way may cycle.
+  // way, 0 not at all. The slip from an anchor millimetres below depends so much on the normal that
+  // where this turns fast, as in an armpit, iterations that follow it all the way may cycle.
   void follow_friction(double share) { follow_ = share; }
 
   // What follows holds where all is known.
@@ -108,7 +108,8 @@ class ContactSearch {
   void add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, Touching& touching);
   void add_pull(int vertex, const Vec<3>& x, Touching& touching) const;
   void find_loose(const Eigen::VectorXd& x);
-  void learn(const PairFinder::Found& fresh, const std::vector<char>& is_asked);
+  size_t learn(const PairFinder::Found& fresh, const std::vector<char>& is_asked);
+  void measure(const Eigen::VectorXd& x, size_t old);
   Scene scene_at(const Eigen::VectorXd& x) const;
   double make_way(const Scene& still, const Points3& body_motion, Eigen::VectorXd& step);
   template <typename Action>
@@ -134,6 +135,7 @@ class ContactSearch {
   int search_count_ = 0;
   PairFinder::Found found_;
   Eigen::VectorXd found_at_, reach_;
+  Eigen::VectorXd measured_at_;  // where the pairs' distances are bounds from below
 };
 
 }  // namespace pleat::sim
