@@ -11,9 +11,10 @@ namespace pleat::sim {
 namespace {
 
 constexpr double kSupport = 2;     // in mean edge lengths
-constexpr double kStretch = 1.15;   // of the skin between the pose of construction and any other
+constexpr double kStretch = 1.15;  // of the skin between the pose of construction and any other
 constexpr double kAbove = 0.01;    // m: how high over the surface the field is asked for
-constexpr double kOff = 0.0005;    // m: how far off the surface a vertex is asked whether it lies inside
+constexpr double kOff =
+    0.0005;  // m: how far off the surface a vertex is asked whether it lies inside
 
 // Vertices around each face that are near it along the surface.
 void find_near(const Points3& x, const Faces& faces, const Eigen::VectorXd& support,
@@ -111,8 +112,8 @@ std::vector<char> BodyCollider::overlaps(const SurfaceTree& posed) const {
   return is_off;
 }
 
-// Curvature along each edge at a vertex is 2 h / l^2, h the height over the tangent plane at which the
-// edge ends: the tensor is the least-squares fit to those, a little held to their mean.
+// Curvature along each edge at a vertex is 2 h / l^2, h the height over the tangent plane at which
+// the edge ends: the tensor is the least-squares fit to those, a little held to their mean.
 void BodyCollider::fit_quadrics() {
   const Points3& x = vertices();
   struct Fit {
@@ -180,8 +181,10 @@ Vec<3> BodyCollider::normal(int face, const Vec<3>& barycentric) const {
 
 // phi = sum w d / sum w, d = n . r + 1/2 r^T S r, r = x - p, w = a (1 - |r|^2 / h^2)^3; a falls off
 // for what faces elsewhere.
-BodyField BodyCollider::field(int face, const Vec<3>& normal, const Vec<3>& x, int order) const {
+BodyField BodyCollider::field(int face, const Vec<3>& normal, const Vec<3>& x, double beyond,
+                              int order) const {
   constexpr double kAway = -0.2, kSame = 0.4;  // cosine to `normal`
+  constexpr double kFew = 0.05;                // sum of weights below which `beyond` has one too
   struct Sample {
     const Quadric* quadric;
     double d, w, slope, bend;  // w' and w'' by |r|^2
@@ -207,27 +210,36 @@ BodyField BodyCollider::field(int face, const Vec<3>& normal, const Vec<3>& x, i
                          6 * share * rest * q.inverse_support * q.inverse_support, r,
                          q.normal + bent});
   }
+  // At the edge of what the quadrics reach phi fades to `beyond`.
+  const double lack = std::max(0.0, 1 - sum / kFew), rest = kFew * lack * lack * lack;
+  const double rest_slope = -3 * lack * lack, rest_bend = 6 / kFew * lack;  // by the sum of weights
+  sum_d += rest * beyond;
+  sum += rest;
   BodyField field;
-  if (!(sum > 0)) {
-    field.phi = 1;  // out of reach of all quadrics
-    field.gradient.setZero();
-    field.hessian.setZero();
-    return field;
-  }
   field.phi = sum_d / sum;
   if (order < 1) return field;
+  Vec<3> sum_gradient = Vec<3>::Zero();  // of the quadrics' weights
   field.gradient.setZero();
-  for (const Sample& s : samples)
+  for (const Sample& s : samples) {
     field.gradient += s.w * s.gradient + 2 * s.slope * (s.d - field.phi) * s.r;
+    sum_gradient += 2 * s.slope * s.r;
+  }
+  field.gradient += (beyond - field.phi) * rest_slope * sum_gradient;
   field.gradient /= sum;
   if (order < 2) return field;
   field.hessian.setZero();
+  const double d_rest = beyond - field.phi;
   for (const Sample& s : samples) {
-    const double d = s.d - field.phi;
+    const double d = s.d - field.phi + d_rest * rest_slope;
     const Vec<3> dw = 2 * s.slope * s.r, dd = s.gradient - field.gradient;
     field.hessian += s.w * s.quadric->curvature + (4 * d * s.bend) * s.r * s.r.transpose() +
                      dw * dd.transpose() + dd * dw.transpose();
     field.hessian.diagonal().array() += 2 * d * s.slope;
+  }
+  if (lack > 0) {
+    const Vec<3> dw = rest_slope * sum_gradient;
+    field.hessian += d_rest * rest_bend * sum_gradient * sum_gradient.transpose() -
+                     dw * field.gradient.transpose() - field.gradient * dw.transpose();
   }
   field.hessian /= sum;
   return field;

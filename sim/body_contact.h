@@ -43,9 +43,9 @@ class BodyCollider {
   // Outward unit normal, blended from the vertex normals.
   Vec<3> normal(int face, const Vec<3>& barycentric) const;
 
-  // The smooth surface around `face`, of what faces the same way as `normal`, for x nearby. order:
-  // 0 phi, 1 and its gradient, 2 and its Hessian.
-  BodyField field(int face, const Vec<3>& normal, const Vec<3>& x, int order) const;
+  // The smooth surface around `face`, of what faces the same way as `normal`, for x nearby. Where it
+  // ends phi fades to `beyond`, m. order: 0 phi, 1 and its gradient, 2 and its Hessian.
+  BodyField field(int face, const Vec<3>& normal, const Vec<3>& x, double beyond, int order) const;
 
  private:
   void fit_quadrics();

@@ -18,7 +18,8 @@ Vec<3> spring(const Contact& contact, double u) {
 
 BodyField contact_field(const Contact& contact, const BodyCollider& body, const Vec<3>& x,
                         int order) {
-  if (!contact.is_flat) return body.field(contact.body_face, contact.normal, x, order);
+  if (!contact.is_flat)
+    return body.field(contact.body_face, contact.normal, x, contact.distance, order);
   const Vec<3> nearest = body.point(contact.body_face, contact.barycentric);
   return {contact.normal.dot(x - nearest), contact.normal, Mat<3>::Zero()};
 }

@@ -283,8 +283,7 @@ void ContactSearch::find_supports(int vertex, const Vec<3>& x, Supports& found) 
                     x,
                     0,
                     false};
-    contact.room =
-        (body_.field(contact.body_face, contact.normal, x, 0).phi - contact.distance) / kSteep;
+    contact.room = (contact_field(contact, body_, x, 0).phi - contact.distance) / kSteep;
     found.contacts.push_back(contact);
   }
 }
@@ -301,7 +300,7 @@ void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, To
     touching.contacts.push_back(contact);
     if (contact.room > 0 && (x - contact.seen_at).squaredNorm() < contact.room * contact.room)
       continue;
-    const BodyField field = body_.field(contact.body_face, contact.normal, x, 1);
+    const BodyField field = contact_field(contact, body_, x, 1);
     force[i] = normal_force(contact, field.phi);
     direction[i] = field.gradient.normalized();
   }

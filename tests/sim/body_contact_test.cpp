@@ -14,7 +14,7 @@ namespace {
 // As contact asks for it: around the nearest face, with the normal of the nearest point.
 BodyField field_at(const BodyCollider& body, const Vec<3>& x, int order = 2) {
   const ClosestPoint closest = body.tree().closest(x, 1);
-  return body.field(closest.face, body.normal(closest.face, closest.barycentric), x, order);
+  return body.field(closest.face, body.normal(closest.face, closest.barycentric), x, 1, order);
 }
 
 struct Errors {
@@ -101,18 +101,47 @@ TEST(BodyCollider, GradientAndHessianAreDerivativesOfTheField) {
     const Vec<3> x = (bumpy_radius(up, 0.15, 0.06) + 0.008 * random.uniform() - 0.002) * up;
     const ClosestPoint closest = body.tree().closest(x, 1);
     const Vec<3> normal = body.normal(closest.face, closest.barycentric);
-    const BodyField at = body.field(closest.face, normal, x, 2);
-    EXPECT_EQ(body.field(closest.face, normal, x, 0).phi, at.phi);
-    EXPECT_EQ(body.field(closest.face, normal, x, 1).gradient, at.gradient);
+    const BodyField at = body.field(closest.face, normal, x, 1, 2);
+    EXPECT_EQ(body.field(closest.face, normal, x, 1, 0).phi, at.phi);
+    EXPECT_EQ(body.field(closest.face, normal, x, 1, 1).gradient, at.gradient);
     const double h = 1e-6;
     for (int k = 0; k < 3; ++k) {
-      const BodyField above = body.field(closest.face, normal, x + h * Vec<3>::Unit(k), 1);
-      const BodyField below = body.field(closest.face, normal, x - h * Vec<3>::Unit(k), 1);
+      const BodyField above = body.field(closest.face, normal, x + h * Vec<3>::Unit(k), 1, 1);
+      const BodyField below = body.field(closest.face, normal, x - h * Vec<3>::Unit(k), 1, 1);
       EXPECT_NEAR((above.phi - below.phi) / (2 * h), at.gradient[k], 1e-7);
       EXPECT_LE(((above.gradient - below.gradient) / (2 * h) - at.hessian.col(k)).norm(),
                 1e-5 * (1 + at.hessian.norm()));
     }
   }
+}
+
+// Without a jump, over which a vertex would step to and fro.
+TEST(BodyCollider, FieldFadesWhereItEnds) {
+  const TriangleMesh bumpy = make_bumpy_ball(4, 0.15, 0.06);
+  const BodyCollider body(bumpy.vertices, bumpy.faces);
+  constexpr double kBeyond = 0.004, kStep = 2e-5, h = 1e-7;
+  int fading = 0, ends = 0;
+  for (int face = 0; face < body.faces().rows(); face += 97) {
+    const Vec<3> bary(0.3, 0.3, 0.4), normal = body.normal(face, bary);
+    const auto at = [&](double height, int order) {
+      return body.field(face, normal, body.point(face, bary) + height * normal, kBeyond, order);
+    };
+    double last = at(0.002, 0).phi;
+    for (double height = 0.002; height < 0.06; height += kStep) {
+      const BodyField field = at(height, 2);
+      EXPECT_LE(std::abs(field.phi - last), 0.002) << face << " at " << height;
+      last = field.phi;
+      const BodyField above = at(height + h, 1), below = at(height - h, 1);
+      EXPECT_NEAR((above.phi - below.phi) / (2 * h), field.gradient.dot(normal),
+                  1e-5 * (1 + field.gradient.norm()));
+      EXPECT_LE(((above.gradient - below.gradient) / (2 * h) - field.hessian * normal).norm(),
+                1e-4 * (100 + field.hessian.norm()));
+      fading += field.phi != kBeyond && std::abs(field.gradient.dot(normal)) > 2;
+    }
+    ends += last == kBeyond;
+  }
+  EXPECT_GT(fading, 10);
+  EXPECT_GT(ends, 10);
 }
 
 struct Walk {
@@ -198,7 +227,7 @@ TEST(BodyCollider, FieldLooksPastWhatFacesTheOtherWay) {
 TEST(BodyCollider, FieldOutOfReachIsFar) {
   const TriangleMesh sphere = make_sphere(4, 0.15);
   const BodyCollider body(sphere.vertices, sphere.faces);
-  const BodyField field = body.field(0, body.normal(0, {1, 0, 0}), {0, 0.5, 0}, 2);
+  const BodyField field = body.field(0, body.normal(0, {1, 0, 0}), {0, 0.5, 0}, 1, 2);
   EXPECT_GE(field.phi, 0.5);
   EXPECT_EQ(field.gradient, Vec<3>::Zero());
   EXPECT_EQ(field.hessian, Mat<3>::Zero());

@@ -26,10 +26,10 @@ std::vector<Case> cases_at(const BodyCollider& body, double phi) {
     const Vec<3> barycentric(u, v, 1 - u - v), normal = body.normal(face, barycentric);
     Vec<3> x = body.point(face, barycentric) + phi * normal;
     for (int k = 0; k < 20; ++k) {
-      const BodyField field = body.field(face, normal, x, 1);
+      const BodyField field = body.field(face, normal, x, 1, 1);
       x += (phi - field.phi) / field.gradient.squaredNorm() * field.gradient;
     }
-    EXPECT_NEAR(body.field(face, normal, x, 0).phi, phi, 1e-15);
+    EXPECT_NEAR(body.field(face, normal, x, 1, 0).phi, phi, 1e-15);
     cases.push_back({{0, face, barycentric, normal, kDistance, kStiffness, x, 0, false}, x});
   }
   return cases;
@@ -52,8 +52,8 @@ const std::vector<const BodyCollider*>& colliders() {
 // that 1e-9 is left of the step, and of rounding 1e-8.
 TEST(Contact, DerivativesMatchDifferencesInEveryRegime) {
   for (const BodyCollider* body : colliders())
-    for (const double phi : {1.3 * kDistance, 0.9 * kDistance, 0.3 * kDistance, -0.2 * kDistance,
-                             -1.2 * kDistance}) {
+    for (const double phi :
+         {1.3 * kDistance, 0.9 * kDistance, 0.3 * kDistance, -0.2 * kDistance, -1.2 * kDistance}) {
       SCOPED_TRACE(phi);
       for (const Case& c : cases_at(*body, phi)) {
         const auto energy = [&](const Vec<3>& x, Order order) {
@@ -87,8 +87,7 @@ TEST(Contact, CostsNothingWithinItsRoom) {
     EXPECT_EQ(within.gradient, Vec<3>::Zero());
     EXPECT_EQ(within.hessian, Mat<3>::Zero());
     roomy.room = 0.0099;
-    const LocalEnergy<3> beyond =
-        contact_energy(roomy, bodies().on_bumps, c.x, Order::kGradient);
+    const LocalEnergy<3> beyond = contact_energy(roomy, bodies().on_bumps, c.x, Order::kGradient);
     EXPECT_EQ(beyond.gradient,
               contact_energy(c.contact, bodies().on_bumps, c.x, Order::kGradient).gradient);
     EXPECT_GT(beyond.value, 0);
@@ -101,7 +100,7 @@ TEST(Contact, PushesOutwardByTheNormalForce) {
     for (const double phi : {0.9 * kDistance, 0.0, -1.2 * kDistance})
       for (const Case& c : cases_at(*body, phi)) {
         const Vec<3> force = -contact_energy(c.contact, *body, c.x, Order::kGradient).gradient;
-        const Vec<3> up = body->field(c.contact.body_face, c.contact.normal, c.x, 1).gradient;
+        const Vec<3> up = body->field(c.contact.body_face, c.contact.normal, c.x, 1, 1).gradient;
         const double expected = normal_force(c.contact, phi);
         EXPECT_GT(expected, 0);
         EXPECT_LE((force - expected * up).norm(), 1e-11);
@@ -112,8 +111,8 @@ TEST(Contact, PushesOutwardByTheNormalForce) {
 
 // E'' = k min(u/d, 1): hence E' = k d/2 on the surface and k (d/2 + depth) below it.
 TEST(Contact, SpringIsThatOfItsFormula) {
-  const Contact contact{0,         0,          Vec<3>(1, 0, 0), Vec<3>(0, 1, 0),
-                        kDistance, kStiffness, Vec<3>(0, 0, 0), 0, false};
+  const Contact contact{
+      0, 0, Vec<3>(1, 0, 0), Vec<3>(0, 1, 0), kDistance, kStiffness, Vec<3>(0, 0, 0), 0, false};
   const double k = kStiffness, d = kDistance;
   EXPECT_EQ(normal_force(contact, d), 0);
   EXPECT_NEAR(normal_force(contact, 0.5 * d), k * d / 8, 1e-14);
