@@ -19,9 +19,9 @@ constexpr int kRounds = 12;
 constexpr int kRings = 3;  // of skin around what is pressed that follow smoothly
 
 std::vector<int> parts_of(const body::BodyModel& model) {
-  // 0 trunk; left and right: 1, 2 upper arm, 3, 4 forearm, 5, 6 thigh, 7, 8 lower leg.
+  // 0 trunk; left and right: 1, 2 upper arm, 3, 4 forearm, 5, 6 thigh, 7, 8 lower leg; 9 head.
   constexpr std::array<int, body::kJoints> kPartOfJoint = {0, 5, 6, 0, 7, 8, 0, 7, 8, 0, 7, 8,
-                                                           0, 0, 0, 0, 1, 2, 3, 4, 3, 4, 3, 4};
+                                                           0, 0, 0, 9, 1, 2, 3, 4, 3, 4, 3, 4};
   std::vector<int> parts(model.template_vertices.rows());
   for (size_t v = 0; v < parts.size(); ++v) {
     std::array<double, BodyOpener::kParts> weight = {};

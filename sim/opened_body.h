@@ -16,7 +16,7 @@ namespace pleat::sim {
 
 class BodyOpener {
  public:
-  static constexpr int kParts = 9;
+  static constexpr int kParts = 10;
 
   explicit BodyOpener(const body::BodyModel& model);
 
