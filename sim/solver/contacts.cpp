@@ -138,8 +138,9 @@ void ContactSearch::prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& ste
 void ContactSearch::measure(const Eigen::VectorXd& x, size_t old) {
   constexpr double kSoon = 0.002;    // m, over the range
   constexpr double kWorth = 0.0002;  // m: if nothing has moved as much, bounds are good enough
-  const Eigen::VectorXd move = moves(measured_at_, x), fresh_move = moves(found_at_, x);
+  const Eigen::VectorXd move = moves(measured_at_, x);
   if (old == found_.pairs.size() && !(move.maxCoeff() > kWorth)) return;
+  const Eigen::VectorXd fresh_move = moves(found_at_, x);
   for (size_t i = 0; i < found_.pairs.size(); ++i) {
     NearPair& pair = found_.pairs[i];
     pair.distance -= approach(pair, i < old ? move : fresh_move);
