@@ -143,7 +143,7 @@ void BodyCollider::fit_quadrics() {
   quadrics_.resize(x.rows());
   for (Eigen::Index v = 0; v < x.rows(); ++v) {
     const Vec<3> n = normals_.row(v).transpose();
-    quadrics_[v] = {x.row(v).transpose(), n, Mat<3>::Zero(), 1 / (support_[v] * support_[v])};
+    quadrics_[v] = {x.row(v).transpose(), 1 / (support_[v] * support_[v]), n, Mat<3>::Zero()};
     Fit& fit = fits[v];
     if (!(fit.weight > 0)) continue;
     constexpr double kHeld = 1e-3;
@@ -185,14 +185,11 @@ BodyField BodyCollider::field(int face, const Vec<3>& normal, const Vec<3>& x, d
                               int order) const {
   constexpr double kAway = -0.2, kSame = 0.4;  // cosine to `normal`
   constexpr double kFew = 0.05;                // sum of weights below which `beyond` has one too
-  struct Sample {
-    const Quadric* quadric;
-    double d, w, slope, bend;  // w' and w'' by |r|^2
-    Vec<3> r, gradient;
-  };
-  thread_local std::vector<Sample> samples;
-  samples.clear();
-  double sum = 0, sum_d = 0;
+  // Sums over the quadrics: of w and w d, and with w' and w'' (by |r|^2, twice and four times) of
+  // what the derivatives are made of once phi is known.
+  double w_1 = 0, w_d = 0, w1_1 = 0, w1_d = 0;
+  Vec<3> w_g = Vec<3>::Zero(), w1_r = w_g, w1_dr = w_g;
+  Mat<3> w_S = Mat<3>::Zero(), w1_rg = w_S, w2_rr = w_S, w2_drr = w_S;
   for (int i = start_[face]; i < start_[face + 1]; ++i) {
     const Quadric& q = quadrics_[near_[i]];
     const Vec<3> r = x - q.point;
@@ -203,44 +200,39 @@ BodyField BodyCollider::field(int face, const Vec<3>& normal, const Vec<3>& x, d
     const double share = t < 1 ? t * t * (3 - 2 * t) : 1;
     const Vec<3> bent = q.curvature * r;
     const double d = q.normal.dot(r) + 0.5 * r.dot(bent), w = share * rest * rest * rest;
-    sum += w;
-    sum_d += w * d;
-    if (order > 0)
-      samples.push_back({&q, d, w, -3 * share * rest * rest * q.inverse_support,
-                         6 * share * rest * q.inverse_support * q.inverse_support, r,
-                         q.normal + bent});
+    w_1 += w;
+    w_d += w * d;
+    if (order < 1) continue;
+    const double w1 = -6 * share * rest * rest * q.inverse_support;
+    const Vec<3> g = q.normal + bent;
+    w_g += w * g;
+    w1_r += w1 * r;
+    w1_dr += w1 * d * r;
+    if (order < 2) continue;
+    const double w2 = 24 * share * rest * q.inverse_support * q.inverse_support;
+    const Mat<3> rr = r * r.transpose();
+    w1_1 += w1;
+    w1_d += w1 * d;
+    w_S += w * q.curvature;
+    w1_rg += w1 * r * g.transpose();
+    w2_rr += w2 * rr;
+    w2_drr += w2 * d * rr;
   }
   // At the edge of what the quadrics reach phi fades to `beyond`.
-  const double lack = std::max(0.0, 1 - sum / kFew), rest = kFew * lack * lack * lack;
+  const double lack = std::max(0.0, 1 - w_1 / kFew), rest = kFew * lack * lack * lack;
   const double rest_slope = -3 * lack * lack, rest_bend = 6 / kFew * lack;  // by the sum of weights
-  sum_d += rest * beyond;
-  sum += rest;
+  const double sum = w_1 + rest;
   BodyField field;
-  field.phi = sum_d / sum;
+  field.phi = (w_d + rest * beyond) / sum;
   if (order < 1) return field;
-  Vec<3> sum_gradient = Vec<3>::Zero();  // of the quadrics' weights
-  field.gradient.setZero();
-  for (const Sample& s : samples) {
-    field.gradient += s.w * s.gradient + 2 * s.slope * (s.d - field.phi) * s.r;
-    sum_gradient += 2 * s.slope * s.r;
-  }
-  field.gradient += (beyond - field.phi) * rest_slope * sum_gradient;
-  field.gradient /= sum;
+  const double off = beyond - field.phi, level = off * rest_slope - field.phi;
+  field.gradient = (w_g + w1_dr + level * w1_r) / sum;
   if (order < 2) return field;
-  field.hessian.setZero();
-  const double d_rest = beyond - field.phi;
-  for (const Sample& s : samples) {
-    const double d = s.d - field.phi + d_rest * rest_slope;
-    const Vec<3> dw = 2 * s.slope * s.r, dd = s.gradient - field.gradient;
-    field.hessian += s.w * s.quadric->curvature + (4 * d * s.bend) * s.r * s.r.transpose() +
-                     dw * dd.transpose() + dd * dw.transpose();
-    field.hessian.diagonal().array() += 2 * d * s.slope;
-  }
-  if (lack > 0) {
-    const Vec<3> dw = rest_slope * sum_gradient;
-    field.hessian += d_rest * rest_bend * sum_gradient * sum_gradient.transpose() -
-                     dw * field.gradient.transpose() - field.gradient * dw.transpose();
-  }
+  const Mat<3> crossed =
+      w1_rg - (1 + rest_slope) * w1_r * field.gradient.transpose();  // and its transpose
+  field.hessian = w_S + w2_drr + level * w2_rr + off * rest_bend * w1_r * w1_r.transpose() +
+                  crossed + crossed.transpose();
+  field.hessian.diagonal().array() += w1_d + level * w1_1;
   field.hessian /= sum;
   return field;
 }

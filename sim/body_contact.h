@@ -21,8 +21,8 @@ namespace pleat::sim {
 // Signed distance phi to the smooth surface at one place, positive outside.
 struct BodyField {
   double phi = 0;   // m
-  Vec<3> gradient;  // 1, about the outward unit normal
-  Mat<3> hessian;   // 1/m, positive where the body is convex
+  Vec<3> gradient = Vec<3>::Zero();  // 1, about the outward unit normal
+  Mat<3> hessian = Mat<3>::Zero();   // 1/m, positive where the body is convex
 };
 
 class BodyCollider {
@@ -60,9 +60,10 @@ class BodyCollider {
   std::vector<int> start_, near_;   // of each face: vertices whose quadrics may reach what lies on it
   Points3 normals_;                 // of the vertices
   struct Quadric {  // of each vertex, all that the field needs in one place
-    Vec<3> point, normal;
-    Mat<3> curvature;        // 1/m, tangential
+    Vec<3> point;
     double inverse_support;  // squared, 1/m^2
+    Vec<3> normal;
+    Mat<3> curvature;  // 1/m, tangential
   };
   std::vector<Quadric> quadrics_;
 };

@@ -18,6 +18,7 @@ Vec<3> spring(const Contact& contact, double u) {
 
 BodyField contact_field(const Contact& contact, const BodyCollider& body, const Vec<3>& x,
                         int order) {
+  if (contact.known_at == x) return contact.known;
   if (!contact.is_flat)
     return body.field(contact.body_face, contact.normal, x, contact.distance, order);
   const Vec<3> nearest = body.point(contact.body_face, contact.barycentric);
@@ -27,7 +28,7 @@ BodyField contact_field(const Contact& contact, const BodyCollider& body, const 
 LocalEnergy<3> contact_energy(const Contact& contact, const BodyCollider& body, const Vec<3>& x,
                               Order order) {
   LocalEnergy<3> energy;
-  if (contact.room > 0 && (x - contact.seen_at).squaredNorm() < contact.room * contact.room) {
+  if (is_clear(contact, x)) {
     energy.value = 0;
     if (order >= Order::kGradient) energy.gradient.setZero();
     if (order >= Order::kProjectedHessian) energy.hessian.setZero();

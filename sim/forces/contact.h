@@ -4,6 +4,8 @@
 // docs/derivations/contact.md.
 #pragma once
 
+#include <limits>
+
 #include "sim/body_contact.h"
 #include "sim/forces/local_energy.h"
 
@@ -19,7 +21,14 @@ struct Contact {
   Vec<3> seen_at;      // m, world: where the vertex stood when it was found, and
   double room;         // m, how far it may go from there without touching
   bool is_flat;        // phi is the distance to the plane through the nearest point, not the field
+  BodyField known = {};  // phi and its derivatives where the vertex stood last,
+  Vec<3> known_at = Vec<3>::Constant(std::numeric_limits<double>::quiet_NaN());
 };
+
+// Whether a vertex at x is too far off to touch.
+inline bool is_clear(const Contact& contact, const Vec<3>& x) {
+  return contact.room > 0 && (x - contact.seen_at).squaredNorm() < contact.room * contact.room;
+}
 
 // phi and its derivatives as the contact sees them.
 BodyField contact_field(const Contact& contact, const BodyCollider& body, const Vec<3>& x,

@@ -297,13 +297,13 @@ void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, To
   std::array<double, 2> force = {0, 0};
   std::array<Vec<3>, 2> direction;
   for (size_t i = 0; i < seen.contacts.size(); ++i) {
-    const Contact& contact = seen.contacts[i];
-    touching.contacts.push_back(contact);
-    if (contact.room > 0 && (x - contact.seen_at).squaredNorm() < contact.room * contact.room)
-      continue;
-    const BodyField field = contact_field(contact, body_, x, 1);
-    force[i] = normal_force(contact, field.phi);
-    direction[i] = field.gradient.normalized();
+    touching.contacts.push_back(seen.contacts[i]);
+    Contact& contact = touching.contacts.back();
+    if (is_clear(contact, x)) continue;
+    contact.known = contact_field(contact, body_, x, 2);  // the forces will ask for it
+    contact.known_at = x;
+    force[i] = normal_force(contact, contact.known.phi);
+    direction[i] = contact.known.gradient.normalized();
   }
   if (!(force[0] + force[1] > 0)) return;
   constexpr double kFarStronger = 2;
@@ -319,6 +319,7 @@ void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, To
     seen.limit += follow_ * (limit - seen.limit);
   }
   if (anchor.face < 0) anchor = anchor_below(x, seen.normal);
+  if (anchor.face < 0) return;  // too deep inside
   touching.frictions.push_back({vertex, body_.point(anchor.face, anchor.barycentric), seen.normal,
                                 seen.limit, config_.stick_N_per_m3 * areas_[vertex]});
 }
@@ -356,6 +357,8 @@ Touching ContactSearch::touching(const std::vector<int>& vertices, const Eigen::
                                  std::vector<Anchor>& anchors) {
   Touching touching;
   touching.body = &body_;
+  touching.contacts.reserve(vertices.size());
+  touching.frictions.reserve(vertices.size());
   for (int v : vertices) add_contacts(v, x.segment<3>(3 * v), anchors[v], touching);
   return touching;
 }
@@ -364,8 +367,10 @@ template <typename Action>
 void ContactSearch::for_each_barrier(const std::vector<int>& pairs, const Eigen::VectorXd& x,
                                      Action action) const {
   const Eigen::VectorXd move = moves(measured_at_, x);
+  const double near = largest_range() + 2 * move.maxCoeff();
   for (const int i : pairs) {
     const NearPair& pair = found_.pairs[i];
+    if (pair.distance >= near) continue;
     const double range = range_of(pair);
     if (pair.distance - approach(pair, move) >= range) continue;
     const PairPoints points = points_of(pair, x);
@@ -397,9 +402,11 @@ std::vector<ActiveBarrier> ContactSearch::barriers(const std::vector<int>& pairs
 double ContactSearch::free_share(const std::vector<int>& pairs, const Eigen::VectorXd& x,
                                  const Eigen::VectorXd& step) const {
   const Eigen::VectorXd reach = moves(measured_at_, x) + moves(x, x + step);
+  const double near = largest_range() + 2 * reach.maxCoeff();
   double share = 1;
   for (const int i : pairs) {
     const NearPair& pair = found_.pairs[i];
+    if (pair.distance >= near) continue;
     if (pair.distance - approach(pair, reach) >= range_of(pair) / 2) continue;
     PairPoints motion = PairPoints::Zero();
     for (int k = 0; k < 4; ++k)

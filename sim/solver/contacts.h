@@ -2,6 +2,7 @@
 // between features that must not pass through one another.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "sim/body_contact.h"
@@ -92,6 +93,9 @@ class ContactSearch {
   // How much farther a vertex may move from x until something may be near of which is not known, m.
   double room_of(int vertex, const Eigen::VectorXd& x) const;
   double range_of(const NearPair& pair) const;
+  double largest_range() const {
+    return std::max(config_.layer_distance_m, config_.barrier_distance_m);
+  }
   PairPoints points_of(const NearPair& pair, const Eigen::VectorXd& x) const;
   Anchor anchor_below(const Vec<3>& place, const Vec<3>& normal) const;
   // The body faces that support a vertex. They stay the same until it has moved on a little: in a
