@@ -14,14 +14,15 @@ namespace {
 constexpr double kCaution = 30;  // 1/s^2 times the masses: what the factor adds to the Hessian
 constexpr double kMostCaution = 1e12;  // times as much
 constexpr double kNear = 30;  // residuals to reach: from there on the factor is the Hessian's own,
-constexpr double kCloser = 0.3;   // and where it has none it is asked again this much nearer
-constexpr double kSlow = 0.01;    // of the caution: curvature that a stable equilibrium may lack
-constexpr double kHeld = 1e9;     // J/m^2: what the factor adds for a pinned vertex
-constexpr int kStale = 12;        // products that a step may take before its factor is renewed
-constexpr double kLanding = 0.6;  // of the contact distance: how deep a step may dip into it
-constexpr double kLanded = 0.7;   // unless it starts from below this
-constexpr double kArmijo = 1e-4;  // of the slope: the least fall of the energy
-constexpr int kMostHalvings = 3;
+constexpr double kCloser = 0.3;      // and where it has none it is asked again this much nearer
+constexpr double kSlow = 0.01;       // of the caution: curvature that a stable equilibrium may lack
+constexpr double kHeld = 1e9;        // J/m^2: what the factor adds for a pinned vertex
+constexpr int kStale = 8;            // products that a step may take before its factor is renewed
+constexpr double kLanding = 0.6;     // of the contact distance: how deep a step may dip into it
+constexpr double kLanded = 0.7;      // unless it starts from below this
+constexpr double kFarthest = 0.05;   // m: no vertex is set down from deeper
+constexpr double kArmijo = 1e-4;     // of the slope: the least fall of the energy
+constexpr int kMostTries = 5;        // of ever shorter steps, in one iteration
 constexpr int kPatience = 12;        // iterations in which the residual should halve,
 constexpr double kFollow = 0.3;      // else this is how far friction follows in one
 constexpr double kRounding = 1e-13;  // of the energy
@@ -29,7 +30,7 @@ constexpr double kRounding = 1e-13;  // of the energy
 // The worst part of a cloth, where it is small: vertices with most of the squared residual, and
 // some rows around them.
 constexpr double kWorstShare = 0.9;  // of the squared residual
-constexpr double kMostWorst = 0.05;  // of all vertices
+constexpr double kMostWorst = 0.1;   // of all vertices
 constexpr int kRowsAround = 3;       // in steps of the Hessian's pattern, two rows each
 constexpr int kMostLocal = 20;       // iterations
 constexpr double kLocalGoal = 0.3;   // of the residual of the rest
@@ -76,6 +77,11 @@ class Minimiser {
   void advance(Patch& patch);
   void prepare_step(Patch& patch);
   void land();
+  struct Aim {
+    double cap;     // of the direction's length, that no vertex moves too far
+    double length;  // of step_, that nothing passes through anything
+  };
+  Aim aim(Patch& patch, const Eigen::VectorXd& direction);
   double energy_at(const Patch& patch, double length);
   bool may_be_definite() const {
     return result_.residual <= kNear * config_.residual &&
@@ -186,8 +192,9 @@ void Minimiser::land() {
     if (field.phi >= least) continue;
     const double now = contact_field(contact, *touching_.body, here, 0).phi;
     if (now < kLanded * contact.distance) continue;  // the model knows of this one
-    step_.segment<3>(3 * contact.vertex) +=
-        (least - field.phi) / field.gradient.squaredNorm() * field.gradient;
+    const double up = (least - field.phi) / field.gradient.norm();
+    if (!(up <= kFarthest)) continue;  // not the surface, but where it fades
+    step_.segment<3>(3 * contact.vertex) += up * field.gradient.normalized();
   }
 }
 
@@ -195,6 +202,19 @@ double Minimiser::energy_at(const Patch& patch, double length) {
   const Eigen::VectorXd at = x_ + length * step_;
   assemble(cloth_, patch.region, touching_, {}, at, Order::kValue, trial_);
   return trial_.energy + contacts_.barrier_energy(patch.pairs, at);
+}
+
+// A step along `direction` as far as nothing meets.
+Minimiser::Aim Minimiser::aim(Patch& patch, const Eigen::VectorXd& direction) {
+  double longest = 0;
+  for (Eigen::Index i = 0; i < direction.size(); i += 3)
+    longest = std::max(longest, direction.segment<3>(i).norm());
+  const double cap = std::min(1.0, config_.max_step_m / longest);
+  spread(patch.region, cap * direction, step_);
+  prepare_step(patch);
+  land();
+  prepare_step(patch);
+  return {cap, contacts_.free_share(patch.pairs, x_, step_)};
 }
 
 void Minimiser::advance(Patch& patch) {
@@ -217,42 +237,36 @@ void Minimiser::advance(Patch& patch) {
   patch.products = solved.iterations;
   if (patch.is_whole) result_.products += solved.iterations;
 
-  double longest = 0;
-  for (size_t i = 0; i < patch.region.vertices.size(); ++i)
-    longest = std::max(longest, solved.step.segment<3>(3 * i).norm());
-  const double cap = std::min(1.0, config_.max_step_m / longest);
-  spread(patch.region, cap * solved.step, step_);
-  prepare_step(patch);
-  land();
-  prepare_step(patch);
-  double length = contacts_.free_share(patch.pairs, x_, step_);
-
-  // What the model foretells of the step as it became.
-  const Eigen::VectorXd direction = restrict_to(patch.region, step_);
+  // Where a step fails, a shorter one along the way that led to it costs no more than a look.
   Eigen::VectorXd Hp;
-  multiply(linear, direction, Hp);
-  const double slope = std::min(0.0, direction.dot(gradient));
-  const double foretold =
-      length * direction.dot(gradient) + 0.5 * length * length * direction.dot(Hp);
-  const double rounding = kRounding * std::abs(system_.energy);
-  double at = energy_at(patch, length);
-  double ratio = -1;
-  if (std::abs(foretold) <= rounding)
-    ratio = 1;  // neither is known any better
-  else if (foretold < 0)
-    ratio = (system_.energy - at) / -foretold;
-  const auto is_lower = [&] { return at <= system_.energy + kArmijo * length * slope + rounding; };
-  for (int halvings = 0; !is_lower() && halvings < kMostHalvings; ++halvings) {
-    length /= 2;
-    at = energy_at(patch, length);
+  for (int tries = 0; tries < kMostTries; ++tries) {
+    const double radius = tries == 0 ? solved.length : patch.radius;
+    const auto [cap, length] = aim(patch, tries == 0 ? solved.step : solved.cut(radius));
+
+    // What the model foretells of the step as it became.
+    const Eigen::VectorXd direction = restrict_to(patch.region, step_);
+    multiply(linear, direction, Hp);
+    const double rise = direction.dot(gradient);
+    const double foretold = length * rise + 0.5 * length * length * direction.dot(Hp);
+    const double rounding = kRounding * std::abs(system_.energy);
+    const double fall = system_.energy - energy_at(patch, length);
+    double ratio = -1;
+    if (std::abs(foretold) <= rounding)
+      ratio = 1;  // neither is known any better
+    else if (foretold < 0)
+      ratio = fall / -foretold;
+    const bool is_lower = fall >= -kArmijo * length * std::min(0.0, rise) - rounding;
+    patch.was_good = is_lower && ratio >= 0.25;
+    if (!patch.was_good)
+      patch.radius = 0.5 * radius * cap * std::max(length, 0.1);
+    else if (tries > 0 || patch.radius <= 0)
+      patch.radius = ratio > 0.75 ? 2 * radius : radius;
+    else if (ratio > 0.75)
+      patch.radius = std::max(patch.radius, 2 * radius);
+    if (!is_lower) continue;
+    x_ += length * step_;
+    return;
   }
-  if (is_lower()) x_ += length * step_;
-  if (patch.radius <= 0) patch.radius = solved.length;
-  patch.was_good = is_lower() && ratio >= 0.25;
-  if (!patch.was_good)
-    patch.radius = 0.5 * solved.length * cap * std::max(length, 0.1);
-  else if (ratio > 0.75)
-    patch.radius = std::max(patch.radius, 2 * solved.length);
 }
 
 // Where few vertices hold most of the residual, they and their surroundings are settled alone.

@@ -33,13 +33,15 @@ TrustRegionStep trust_region_step(const NewtonSystem& system, const Eigen::Vecto
     const double next_pp = pp + 2 * alpha * pd + alpha * alpha * dd;
     if (result.has_negative_curvature || next_pp > radius * radius) {
       const double tau = (-pd + std::sqrt(pd * pd + dd * (radius * radius - pp))) / dd;
-      result.step += tau * d;
+      result.legs.push_back({tau * d, pp, tau * pd, tau * tau * dd});
+      result.step += result.legs.back().along;
       result.model += -tau * rz + 0.5 * tau * tau * curvature;
       result.at_radius = true;
       result.length = radius;
       return result;
     }
-    result.step += alpha * d;
+    result.legs.push_back({alpha * d, pp, alpha * pd, alpha * alpha * dd});
+    result.step += result.legs.back().along;
     result.model -= 0.5 * alpha * rz;
     pp = next_pp;
     result.length = std::sqrt(pp);
@@ -52,6 +54,20 @@ TrustRegionStep trust_region_step(const NewtonSystem& system, const Eigen::Vecto
     d = z + beta * d;
     rz = next;
   }
+}
+
+Eigen::VectorXd TrustRegionStep::cut(double radius) const {
+  Eigen::VectorXd point = Eigen::VectorXd::Zero(step.size());
+  for (const Leg& leg : legs) {
+    const double left = radius * radius - leg.from;
+    if (2 * leg.slope + leg.square > left) {
+      const double share =
+          left / (leg.slope + std::sqrt(leg.slope * leg.slope + leg.square * std::max(0.0, left)));
+      return point + std::clamp(share, 0.0, 1.0) * leg.along;
+    }
+    point += leg.along;
+  }
+  return point;
 }
 
 }  // namespace pleat::sim

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "sim/solver/newton_system.h"
 
@@ -21,6 +22,15 @@ struct TrustRegionConfig {
 };
 
 struct TrustRegionStep {
+  // The way to the step, along which the length grows and the model falls.
+  struct Leg {
+    Eigen::VectorXd along;
+    double from, slope, square;  // squared length after a share t: from + t (2 slope + t square)
+  };
+  std::vector<Leg> legs;
+  // What the step would be with a shorter radius.
+  Eigen::VectorXd cut(double radius) const;
+
   Eigen::VectorXd step;
   double length = 0;  // in the norm of M
   double model = 0;   // change of energy that the model foretells, J, <= 0

@@ -125,6 +125,21 @@ TEST(TrustRegion, GainsHalfOfTheBestAtLeast) {
   }
 }
 
+// Cut, a step is what a shorter radius would have made of it, along negative curvature too.
+TEST(TrustRegion, IsCutToWhatAShorterRadiusGives) {
+  for (const Eigen::VectorXd& values : {kConvex, saddle()}) {
+    const Quadratic problem(values);
+    const TrustRegionStep far = problem.step(100, {1e-10, 60, true});
+    for (const double share : {0.001, 0.1, 0.5, 0.9, 0.999}) {
+      const double radius = share * far.length;
+      const Eigen::VectorXd shorter = problem.step(radius, {1e-10, 60, true}).step;
+      EXPECT_LE((far.cut(radius) - shorter).norm(), 1e-9 * shorter.norm()) << share;
+      EXPECT_NEAR(problem.norm(far.cut(radius)), radius, 1e-9 * radius);
+    }
+    EXPECT_LE((far.cut(2 * far.length) - far.step).norm(), 1e-12 * far.step.norm());
+  }
+}
+
 TEST(TrustRegion, FollowsNegativeCurvatureToTheRadiusAtASaddle) {
   const Quadratic problem(saddle());
   for (const double radius : {0.1, 1.0, 10.0, 100.0}) {
