@@ -44,8 +44,8 @@ Wearer blend(const Wearer& a, const Wearer& b, double t) {
   return {(1 - t) * a.shape + t * b.shape, body::blend(a.pose, b.pose, t)};
 }
 
-// The largest turn of a joint between two poses, rad.
-double largest_turn(const body::Pose& a, const body::Pose& b) {
+// The largest turn of one of these joints between two poses, rad.
+double largest_turn(const body::Pose& a, const body::Pose& b, const std::vector<char>& joints) {
   double largest = 0;
   const auto rotation = [](const Vec<3>& axis_angle) {
     const double angle = axis_angle.norm();
@@ -53,6 +53,7 @@ double largest_turn(const body::Pose& a, const body::Pose& b) {
                              angle > 0 ? Vec<3>(axis_angle / angle) : Vec<3>(Vec<3>::UnitX()));
   };
   for (int j = 0; j < body::kJoints; ++j) {
+    if (!joints[j]) continue;
     const Eigen::Quaterniond from(rotation(a.rotations.row(j).transpose())),
         to(rotation(b.rotations.row(j).transpose()));
     largest = std::max(largest, from.angularDistance(to));
@@ -123,24 +124,40 @@ class Chain {
     for (const Edge& edge : edges(topology.faces)) edges_.push_back(edge.vertices);
   }
 
-  // Moves the wearer to `next`, the cloth going along, in steps in which no joint turns far, and
-  // settles it there.
+  // Moves the wearer to `next`, the cloth going along, in steps in which no joint turns far that
+  // moves skin near the cloth, and settles it there.
   NewtonResult advance(const Wearer& next, const NewtonConfig& last_step) {
     const Wearer from = wearer_;
-    const double turn = largest_turn(from.pose, next.pose) * 180 / M_PI;
+    is_forced_ = false;
+    const double turn = largest_turn(from.pose, next.pose, joints_near()) * 180 / M_PI;
     const int steps = std::max(1, static_cast<int>(std::ceil(turn / config_.ease_deg)));
     int iterations = 0;
     for (int s = 1; s <= steps; ++s) {
       iterations += carry(s < steps ? blend(from, next, static_cast<double>(s) / steps) : next);
       if (s < steps) iterations += settle(easing()).iterations;
     }
-    NewtonResult result = settle(last_step);
+    NewtonConfig last = last_step;
+    // Cloth that the body went through seldom comes to rest; other ways, and what is left of the
+    // time, serve better.
+    if (is_forced_) last.max_iterations = std::min(last.max_iterations, kForcedIterations);
+    NewtonResult result = settle(last);
     result.iterations += iterations;
     return result;
   }
 
+  // Where numbers break down the cloth stays as it was.
   NewtonResult settle(const NewtonConfig& solver) {
-    return drape(cloth_, contacts_, solver, factor_, state_, should_stop_);
+    const DrapeState before = state_;
+    try {
+      return drape(cloth_, contacts_, solver, factor_, state_, should_stop_);
+    } catch (const SolverError&) {
+      state_ = before;
+      contacts_.forget();
+      contacts_.follow_friction(1);
+      NewtonResult none;
+      none.residual = kBrokenDown;
+      return none;
+    }
   }
 
   NewtonConfig easing() const {
@@ -162,6 +179,8 @@ class Chain {
     return counts.body_intersections == 0 && counts.self_intersections == 0;
   }
 
+  // Whether the body went through the cloth on the last way.
+  bool was_forced() const { return is_forced_; }
   const Wearer& wearer() const { return wearer_; }
   Points3 positions() const { return as_points(state_.x); }
 
@@ -183,6 +202,8 @@ class Chain {
  private:
   static constexpr int kMostSteps = 16;
   static constexpr double kLeastShare = 0.02;
+  static constexpr int kForcedIterations = 50;
+  static constexpr double kBrokenDown = 1e9;  // residual of what has none
 
   // Moves the body, the cloth going along, and settles it on the way where it is caught. Nothing
   // passes through anything but where the body passes through itself, and, where the cloth is
@@ -204,6 +225,7 @@ class Chain {
         const double cloth_share = contacts_.free_share_without_body(state_.x, motion);
         state_.x += cloth_share * motion;
         share = 1;
+        is_forced_ = true;
       } else {
         state_.x += share * motion;
       }
@@ -214,6 +236,23 @@ class Chain {
     }
     wearer_ = next;
     return iterations;
+  }
+
+  // Joints that skin near the cloth hangs on, and those before them.
+  std::vector<char> joints_near() const {
+    constexpr double kNear = 0.05, kLeast = 0.1;  // m; of a vertex's skin weights
+    std::vector<char> is_near(model_.joint_count(), 0), is_seen(model_.faces.rows(), 0);
+    for (int v = 0; v < cloth_.vertex_count; ++v) {
+      const int face = collider_.tree().closest(state_.x.segment<3>(3 * v), kNear).face;
+      if (face < 0 || is_seen[face]) continue;
+      is_seen[face] = 1;
+      for (int c = 0; c < 3; ++c)
+        for (SkinWeights::InnerIterator w(model_.weights, model_.faces(face, c)); w; ++w)
+          if (w.value() >= kLeast) is_near[w.col()] = 1;
+    }
+    for (int j = model_.joint_count() - 1; j > 0; --j)
+      if (is_near[j]) is_near[model_.parents[j]] = 1;
+    return is_near;
   }
 
   // Where the cloth goes when the body moves on: what lies on the body goes with its surface, what
@@ -287,6 +326,7 @@ class Chain {
   std::vector<std::array<int, 2>> edges_;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> harmonic_;
   bool is_analysed_ = false;
+  bool is_forced_ = false;
 };
 
 // From the T-pose on the mean body to the clip's shape, then to its first pose.
@@ -352,12 +392,19 @@ class Walk {
     std::optional<garment::ClipState> before;
     if (t > 0) before = chain_->state(t, is_sound_);
     std::vector<Way> ways = {has_coarse() ? Way::kRefined : Way::kAnew, Way::kAnew};
-    if (t > 0) ways = {Way::kOn, Way::kPatient, Way::kRefined, Way::kAnew};
-    const int most = is_sound_ ? 1 + config_.retries : 1;
+    int most = 1 + config_.retries;
+    if (t > 0 && is_sound_) {
+      ways = {Way::kOn, Way::kPatient, Way::kRefined, Way::kAnew};
+    } else if (t > 0) {  // caught: only another beginning helps
+      ways = {Way::kOn, Way::kRefined, Way::kAnew};
+      most = t % kCaught == 0 ? std::max(1, config_.retries) : 1;
+    }
     garment::Certificate certificate;
     int tries = 0;
     for (const Way way : ways) {
       if (certificate.is_accepted || tries == most || (tries > 0 && is_stopped())) break;
+      // The slowest way of all, where the body went through the cloth, and seldom a better one.
+      if (way == Way::kPatient && chain_->was_forced()) continue;
       std::unique_ptr<Chain> chain = brought(way, t, before, tries > 0);
       if (!chain) continue;
       garment::Certificate tried = try_frame(*chain, t);
@@ -380,6 +427,8 @@ class Walk {
   bool is_sound() const { return is_sound_; }
 
  private:
+  static constexpr int kCaught = 4;  // frames between tries to get the cloth loose
+
   // To a frame.
   enum class Way {
     kOn,       // from the frame before

@@ -14,11 +14,12 @@
 namespace pleat::sim {
 
 struct SimulationConfig {      // section `simulation`
-  double ease_deg = 10;        // largest joint turn of one step on the way to a frame
+  double ease_deg = 10;        // largest turn of a joint near the cloth in one step to a frame
   double ease_residual = 0.1;  // steps on the way need not settle fully
   int ease_iterations = 4;
   // Other ways to a frame that is rejected: 1 in smaller steps, 2 also coarse-to-fine (dressed anew
   // and brought there with a coarse tessellation, refined there), 3 also dressed anew as it is.
+  // Behind a rejected frame only every fourth is tried in the last two.
   int retries = 3;
   int checkpoint_frames = 20;  // after so many a chain begins anew from what its state says
   NewtonConfig solver;
@@ -46,8 +47,8 @@ struct Supervision {
 
 // Frames from->frame (0 where there is none) to the last, in parts of checkpoint_frames, each with
 // the state that the next starts from. Taking up from that state gives the same bits as going on.
-// A frame that is rejected behind one that was not is tried in other ways (config.retries); where
-// none serves, the first counts. False where it was stopped.
+// A frame that is rejected is tried in other ways (config.retries); where none serves, the first
+// counts. False where it was stopped.
 bool simulate_parts(const garment::Garment& garment, const body::BodyModel& model,
                     const Eigen::VectorXd& shape, const body::Motion& motion,
                     const garment::Fabric& fabric, const SimulationConfig& config,

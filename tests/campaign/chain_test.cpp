@@ -264,5 +264,35 @@ TEST_F(ChainTest, RejectedFramesAreTriedInOtherWays) {
     EXPECT_EQ(certificate.attempts, 1);
 }
 
+// Cloth that stays caught is not tried in all ways at every frame, but does not stay so for ever.
+TEST_F(ChainTest, CaughtClothIsBegunAnewEveryFourthFrame) {
+  SimulationConfig config;
+  config.accept.residual = config.solver.residual = 1e-9;  // never
+  config.solver.max_iterations = 1;
+  body::Motion motion = arms_down();
+  motion.frames.resize(6, motion.frames.back());
+  const auto looks = [&](int retries) {
+    config.retries = retries;
+    std::vector<int> asked = {0};
+    Supervision supervision;
+    supervision.should_stop = [&] { return ++asked.back() < 0; };
+    supervision.on_frame = [&](const garment::Certificate&) { asked.push_back(0); };
+    simulate(dressed_->garment, dressed_->model, Vec<2>(0.5, -0.5), motion, garment::Fabric{},
+             config, supervision);
+    asked.pop_back();
+    return asked;
+  };
+  const std::vector<int> once = looks(0), tried = looks(3);
+  ASSERT_EQ(once.size(), motion.frames.size());
+  ASSERT_EQ(tried.size(), once.size());
+  for (size_t t = 1; t < once.size(); ++t) {
+    if (t % 4 == 0) {
+      EXPECT_GT(tried[t], once[t] + 1) << t;
+    } else {
+      EXPECT_LE(tried[t], once[t] + 1) << t;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace pleat::sim
