@@ -147,18 +147,28 @@ std::vector<std::vector<int>> vertex_neighbours(const Faces& faces, Eigen::Index
 }
 
 Points3 vertex_normals(const Eigen::Ref<const Points3>& vertices, const Faces& faces) {
-  Points3 result = Points3::Zero(vertices.rows(), 3);
+  Points3 result(vertices.rows(), 3);
+  update_vertex_normals(vertices, faces, std::vector<char>(vertices.rows(), 1), result);
+  return result;
+}
+
+void update_vertex_normals(const Eigen::Ref<const Points3>& vertices, const Faces& faces,
+                           const std::vector<char>& is_asked, Points3& normals) {
+  for (int v = 0; v < normals.rows(); ++v)
+    if (is_asked[v]) normals.row(v).setZero();
   for (int f = 0; f < faces.rows(); ++f) {
+    if (!is_asked[faces(f, 0)] && !is_asked[faces(f, 1)] && !is_asked[faces(f, 2)]) continue;
     const Vec<3> normal = area_vector(vertices, faces, f).stableNormalized();
     for (int k = 0; k < 3; ++k) {
+      if (!is_asked[faces(f, k)]) continue;
       const Vec<3> corner = vertices.row(faces(f, k));
       const Vec<3> u = vertices.row(faces(f, (k + 1) % 3)).transpose() - corner;
       const Vec<3> w = vertices.row(faces(f, (k + 2) % 3)).transpose() - corner;
-      result.row(faces(f, k)) += std::atan2(u.cross(w).norm(), u.dot(w)) * normal.transpose();
+      normals.row(faces(f, k)) += std::atan2(u.cross(w).norm(), u.dot(w)) * normal.transpose();
     }
   }
-  for (int v = 0; v < result.rows(); ++v) result.row(v).stableNormalize();
-  return result;
+  for (int v = 0; v < normals.rows(); ++v)
+    if (is_asked[v]) normals.row(v).stableNormalize();
 }
 
 Eigen::VectorXd face_areas(const Eigen::Ref<const Points3>& vertices, const Faces& faces) {

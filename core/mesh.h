@@ -35,6 +35,9 @@ std::vector<std::vector<int>> vertex_neighbours(const Faces& faces, Eigen::Index
 // Row of each vertex sums face normals weighted by corner angle, then unit length. Zero for an
 // unused vertex.
 Points3 vertex_normals(const Eigen::Ref<const Points3>& vertices, const Faces& faces);
+// The same for the vertices that are asked for; the other rows stay.
+void update_vertex_normals(const Eigen::Ref<const Points3>& vertices, const Faces& faces,
+                           const std::vector<char>& is_asked, Points3& normals);
 Points3 face_normals(const Eigen::Ref<const Points3>& vertices, const Faces& faces);  // unit length
 Eigen::VectorXd face_areas(const Eigen::Ref<const Points3>& vertices, const Faces& faces);
 

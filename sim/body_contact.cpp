@@ -65,9 +65,18 @@ BodyCollider::BodyCollider(const Eigen::Ref<const Points3>& vertices, const Face
 
 void BodyCollider::move_to(const Eigen::Ref<const Points3>& vertices) {
   tree_.refit(vertices);
-  normals_ = vertex_normals(vertices, faces());
-  is_off_ = overlaps(tree_);
-  on_.setOnes(vertices.rows());
+  stand(overlaps(tree_));
+}
+
+void BodyCollider::move_to(const SurfaceTree& posed, const std::vector<char>& overlaps) {
+  tree_.refit(posed.vertices());
+  stand(overlaps);
+}
+
+void BodyCollider::stand(const std::vector<char>& overlaps) {
+  is_off_ = overlaps;
+  normals_ = vertex_normals(vertices(), faces());
+  on_.setOnes(vertices().rows());
   for (Eigen::Index f = 0; f < faces().rows(); ++f)
     for (int c = 0; c < 3 && is_off_[f]; ++c) on_[faces()(f, c)] = 0;
   fit_quadrics();

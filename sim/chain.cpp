@@ -230,7 +230,10 @@ class Chain {
         state_.x += share * motion;
       }
       t = share == 1 ? 1 : t + share * (1 - t);
-      collider_.move_to(share == 1 ? body_next : Points3(here + share * (body_next - here)));
+      if (share == 1)
+        collider_.move_to(next_tree_, is_off_next);
+      else
+        collider_.move_to(here + share * (body_next - here));
       contacts_.forget();
       if (t < 1) iterations += settle(easing()).iterations;
     }

@@ -47,6 +47,7 @@ BodyOpener::BodyOpener(const body::BodyModel& model)
       vertices_(t_pose(model)),
       part_(parts_of(model)),
       neighbours_(vertex_neighbours(faces_, vertices_.rows())) {
+  normals_.resize(vertices_.rows(), 3);
   apart_.resize(part_.size(), kParts);
   constexpr double kFar = 0.1;
   for (int q = 0; q < kParts; ++q) {
@@ -64,10 +65,19 @@ BodyOpener::BodyOpener(const body::BodyModel& model)
   }
 }
 
-void BodyOpener::refit(const Points3& vertices) {
+// Not all vertices move; those of other parts, and normals elsewhere, are as they were.
+void BodyOpener::refit(const Points3& vertices, const std::vector<char>& has_moved) {
+  std::vector<char> is_asked = has_moved;
+  std::array<bool, kParts> is_touched = {};
+  for (size_t v = 0; v < has_moved.size(); ++v) {
+    if (!has_moved[v]) continue;
+    is_touched[part_[v]] = true;
+    for (int n : neighbours_[v]) is_asked[n] = 1;
+  }
   vertices_ = vertices;
-  normals_ = vertex_normals(vertices_, faces_);
-  for (SurfaceTree& part : parts_) part.refit(vertices_);
+  update_vertex_normals(vertices_, faces_, is_asked, normals_);
+  for (int q = 0; q < kParts; ++q)
+    if (is_touched[q]) parts_[q].refit(vertices_);
 }
 
 // Each of two parts that lack room moves by half of what is lacking.
@@ -102,7 +112,7 @@ Points3 BodyOpener::press(const std::vector<int>& vertices, double max_distance)
 }
 
 Points3 BodyOpener::open(const Eigen::Ref<const Points3>& posed) {
-  refit(posed);
+  refit(posed, std::vector<char>(part_.size(), 1));
   std::vector<int> active(part_.size());
   std::iota(active.begin(), active.end(), 0);
   for (int round = 0; round < kRounds; ++round) {
@@ -126,7 +136,7 @@ Points3 BodyOpener::open(const Eigen::Ref<const Points3>& posed) {
         moves.row(v) = 0.5 * (before.row(v) + mean.transpose());
       }
     }
-    refit(vertices_ + moves);
+    refit(vertices_ + moves, is_around);
     active = std::move(around);
     std::sort(active.begin(), active.end());
   }

@@ -26,7 +26,7 @@ class BodyOpener {
  private:
   // How the vertices want to move for room from other parts that come within max_distance.
   Points3 press(const std::vector<int>& vertices, double max_distance) const;
-  void refit(const Points3& vertices);
+  void refit(const Points3& vertices, const std::vector<char>& has_moved);
 
   Faces faces_;
   Points3 vertices_, normals_;  // where they stand at the moment
