@@ -97,6 +97,8 @@ SimulationConfig far_apart(SimulationConfig config) {
   return config;
 }
 
+constexpr int kMostLooks = 16, kLooksWhereCaught = 4;
+
 // One garment on one body, moving. Keeps the trees and the state between drapes.
 class Chain {
  public:
@@ -126,14 +128,16 @@ class Chain {
 
   // Moves the wearer to `next`, the cloth going along, in steps in which no joint turns far that
   // moves skin near the cloth, and settles it there.
-  NewtonResult advance(const Wearer& next, const NewtonConfig& last_step) {
+  // looks: how often on a step's way the body may wait for cloth that holds it up.
+  NewtonResult advance(const Wearer& next, const NewtonConfig& last_step, int looks = kMostLooks) {
     const Wearer from = wearer_;
     is_forced_ = false;
     const double turn = largest_turn(from.pose, next.pose, joints_near()) * 180 / M_PI;
     const int steps = std::max(1, static_cast<int>(std::ceil(turn / config_.ease_deg)));
     int iterations = 0;
     for (int s = 1; s <= steps; ++s) {
-      iterations += carry(s < steps ? blend(from, next, static_cast<double>(s) / steps) : next);
+      iterations +=
+          carry(s < steps ? blend(from, next, static_cast<double>(s) / steps) : next, looks);
       if (s < steps) iterations += settle(easing()).iterations;
     }
     NewtonConfig last = last_step;
@@ -200,7 +204,6 @@ class Chain {
   }
 
  private:
-  static constexpr int kMostSteps = 16;
   static constexpr double kLeastShare = 0.02;
   static constexpr int kForcedIterations = 50;
   static constexpr double kBrokenDown = 1e9;  // residual of what has none
@@ -209,7 +212,7 @@ class Chain {
   // passes through anything but where the body passes through itself, and, where the cloth is
   // pinched and holds the body up, the body through the cloth. Returns the iterations that this
   // took.
-  int carry(const Wearer& next) {
+  int carry(const Wearer& next, int looks) {
     const body::ShapedBody shaped = body::shape_body(model_, next.shape);
     posed_.refit(body::pose_body(model_, shaped, next.pose));
     const Points3 body_next = opener_.open(posed_.vertices());
@@ -221,7 +224,7 @@ class Chain {
       const Points3 here = collider_.vertices();
       Eigen::VectorXd motion = as_vector(carried(body_next)) - state_.x;
       double share = contacts_.free_share_with_body(state_.x, body_next, is_off_next, motion);
-      if (step == kMostSteps || (step > 0 && share < kLeastShare)) {
+      if (step == looks || (step > 0 && share < kLeastShare)) {
         const double cloth_share = contacts_.free_share_without_body(state_.x, motion);
         state_.x += cloth_share * motion;
         share = 1;
@@ -496,7 +499,8 @@ class Walk {
   }
 
   garment::Certificate try_frame(Chain& chain, int t) {
-    const NewtonResult solved = chain.advance(wearer(t), config_.solver);
+    const NewtonResult solved =
+        chain.advance(wearer(t), config_.solver, is_sound_ ? kMostLooks : kLooksWhereCaught);
     garment::Certificate certificate = chain.certify(solved);
     certificate.iterations = solved.iterations;
     if (was_stopped_) {
