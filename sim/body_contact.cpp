@@ -68,13 +68,13 @@ void BodyCollider::move_to(const Eigen::Ref<const Points3>& vertices) {
   stand(overlaps(tree_));
 }
 
-void BodyCollider::move_to(const SurfaceTree& posed, const std::vector<char>& overlaps) {
+void BodyCollider::move_to(const SurfaceTree& posed, const std::vector<char>& is_off) {
   tree_.refit(posed.vertices());
-  stand(overlaps);
+  stand(is_off);
 }
 
-void BodyCollider::stand(const std::vector<char>& overlaps) {
-  is_off_ = overlaps;
+void BodyCollider::stand(const std::vector<char>& is_off) {
+  is_off_ = is_off;
   normals_ = vertex_normals(vertices(), faces());
   on_.setOnes(vertices().rows());
   for (Eigen::Index f = 0; f < faces().rows(); ++f)

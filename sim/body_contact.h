@@ -30,8 +30,8 @@ class BodyCollider {
   // vertices: in a pose in which no parts touch (the T-pose): what belongs together is read off it.
   BodyCollider(const Eigen::Ref<const Points3>& vertices, const Faces& faces);
   void move_to(const Eigen::Ref<const Points3>& vertices);
-  // The same where overlaps(posed) is known.
-  void move_to(const SurfaceTree& posed, const std::vector<char>& overlaps);
+  // The same where is_off = overlaps(posed) is known.
+  void move_to(const SurfaceTree& posed, const std::vector<char>& is_off);
 
   const SurfaceTree& tree() const { return tree_; }
   // Of each face of a body in this pose: whether it is switched off.
@@ -50,7 +50,7 @@ class BodyCollider {
   BodyField field(int face, const Vec<3>& normal, const Vec<3>& x, double beyond, int order) const;
 
  private:
-  void stand(const std::vector<char>& overlaps);
+  void stand(const std::vector<char>& is_off);  // tree_ being there
   void fit_quadrics();
   std::vector<char> folded(const SurfaceTree& posed) const;
 

@@ -97,6 +97,7 @@ SimulationConfig far_apart(SimulationConfig config) {
   return config;
 }
 
+// How often on a step's way the body may wait for cloth that holds it up.
 constexpr int kMostLooks = 16, kLooksWhereCaught = 4;
 
 // One garment on one body, moving. Keeps the trees and the state between drapes.
@@ -128,12 +129,15 @@ class Chain {
 
   // Moves the wearer to `next`, the cloth going along, in steps in which no joint turns far that
   // moves skin near the cloth, and settles it there.
-  // looks: how often on a step's way the body may wait for cloth that holds it up.
   NewtonResult advance(const Wearer& next, const NewtonConfig& last_step, int looks = kMostLooks) {
     const Wearer from = wearer_;
     is_forced_ = false;
-    const double turn = largest_turn(from.pose, next.pose, joints_near()) * 180 / M_PI;
-    const int steps = std::max(1, static_cast<int>(std::ceil(turn / config_.ease_deg)));
+    const auto steps_for = [&](const std::vector<char>& joints) {
+      const double turn = largest_turn(from.pose, next.pose, joints) * 180 / M_PI;
+      return std::max(1, static_cast<int>(std::ceil(turn / config_.ease_deg)));
+    };
+    int steps = steps_for(std::vector<char>(model_.joint_count(), 1));
+    if (steps > 1) steps = steps_for(joints_near());
     int iterations = 0;
     for (int s = 1; s <= steps; ++s) {
       iterations +=
