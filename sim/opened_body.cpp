@@ -13,7 +13,7 @@ namespace {
 constexpr double kGap = 0.012;  // m, between parts: two layers of cloth and what keeps them off
 constexpr double kSlope =
     0.3;  // near where parts join the gap is at most this share of the T-pose's
-constexpr double kDeepest = 0.06;  // m: parts that pass deeper into one another are not parted
+constexpr double kDeepest = 0.03;  // m: parts that pass deeper into one another are not parted
 constexpr double kJoined = 0.02;   // m: nearer in the T-pose, parts belong together
 constexpr int kRounds = 12;
 constexpr int kRings = 3;  // of skin around what is pressed that follow smoothly
@@ -35,6 +35,21 @@ std::vector<int> parts_of(const body::BodyModel& model) {
   return parts;
 }
 
+// How readily the skin of each vertex gives way, against that of another part: a hand hardly. It
+// is so thin that pressed in by half of what is lacking its fingers would fold.
+Eigen::VectorXd softness_of(const body::BodyModel& model) {
+  constexpr int kFirstOfHands = 20;  // wrists, hands and all that hangs on them
+  constexpr double kSoftness = 1, kOfHands = 0.1;
+  Eigen::VectorXd softness = Eigen::VectorXd::Constant(model.template_vertices.rows(), kSoftness);
+  for (Eigen::Index v = 0; v < softness.size(); ++v)
+    for (SkinWeights::InnerIterator w(model.weights, v); w; ++w) {
+      int joint = static_cast<int>(w.col());
+      while (joint >= body::kJoints) joint = model.parents[joint];
+      if (joint >= kFirstOfHands) softness[v] -= (kSoftness - kOfHands) * w.value();
+    }
+  return softness;
+}
+
 Points3 t_pose(const body::BodyModel& model) {
   const Eigen::VectorXd mean = Eigen::VectorXd::Zero(model.shape_directions.size());
   return body::pose_body(model, body::shape_body(model, mean), body::Pose{});
@@ -46,6 +61,7 @@ BodyOpener::BodyOpener(const body::BodyModel& model)
     : faces_(model.faces),
       vertices_(t_pose(model)),
       part_(parts_of(model)),
+      softness_(softness_of(model)),
       neighbours_(vertex_neighbours(faces_, vertices_.rows())) {
   normals_.resize(vertices_.rows(), 3);
   apart_.resize(part_.size(), kParts);
@@ -80,7 +96,7 @@ void BodyOpener::refit(const Points3& vertices, const std::vector<char>& has_mov
     if (is_touched[q]) parts_[q].refit(vertices_);
 }
 
-// Each of two parts that lack room moves by half of what is lacking.
+// Two parts that lack room share what is lacking by how soft they are.
 Points3 BodyOpener::press(const std::vector<int>& vertices, double max_distance) const {
   Points3 moves = Points3::Zero(vertices_.rows(), 3);
   for (int v : vertices) {
@@ -91,18 +107,20 @@ Points3 BodyOpener::press(const std::vector<int>& vertices, double max_distance)
       const ClosestPoint nearest = parts_[q].closest(place, max_distance);
       if (nearest.face < 0) continue;
       Vec<3> outward = Vec<3>::Zero();
-      double other = 0;
+      double other = 0, softness = 0;
       for (int c = 0; c < 3; ++c) {
         const int corner = part_faces_[q](nearest.face, c);
         outward += nearest.barycentric[c] * normals_.row(corner).transpose();
         other += nearest.barycentric[c] * apart_(corner, part_[v]);
+        softness += nearest.barycentric[c] * softness_[corner];
       }
       outward.normalize();
       const double apart = std::min<double>(apart_(v, q), other);
       const double opposed = std::clamp(-2 * normal.dot(outward), 0.0, 1.0);
       const double joined = std::clamp(2 * apart / kJoined - 1, 0.0, 1.0);
       const double lack = std::min(kGap, kSlope * apart) - outward.dot(place - nearest.point);
-      const double push = 0.5 * opposed * joined * lack;
+      const double share = softness_[v] / (softness_[v] + softness);
+      const double push = share * opposed * joined * lack;
       if (push <= most) continue;
       most = push;
       moves.row(v) = push * outward.transpose();

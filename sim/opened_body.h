@@ -31,6 +31,7 @@ class BodyOpener {
   Faces faces_;
   Points3 vertices_, normals_;  // where they stand at the moment
   std::vector<int> part_;       // of each vertex
+  Eigen::VectorXd softness_;    // the same: what moves is shared out by it
   std::vector<Faces> part_faces_;
   std::vector<SurfaceTree> parts_;  // of faces whose corners are all in the part
   Eigen::Matrix<float, Eigen::Dynamic, kParts>

@@ -175,6 +175,27 @@ TEST_F(ChainTest, SkinGivesWayWhereArmsMeetTheTrunk) {
   EXPECT_EQ(opener.open(posed), opened);  // whatever it was asked before
 }
 
+// Hands pressed against the hips press flesh in rather than their own thin fingers.
+TEST_F(ChainTest, HandsHardlyGiveWay) {
+  constexpr int kFirstOfHands = 20;
+  const body::BodyModel& model = dressed_->model;
+  const body::ShapedBody shaped = body::shape_body(model, Eigen::VectorXd::Zero(2));
+  body::Pose down;
+  down.rotations.row(16) << 0, 0, -1.55;
+  down.rotations.row(17) << 0, 0, 1.55;
+  const Points3 posed = body::pose_body(model, shaped, down);
+  const Eigen::VectorXd moved = (BodyOpener(model).open(posed) - posed).rowwise().norm();
+  double hands = 0, rest = 0;
+  for (Eigen::Index v = 0; v < moved.size(); ++v) {
+    double share = 0;
+    for (SkinWeights::InnerIterator w(model.weights, v); w; ++w)
+      if (w.col() >= kFirstOfHands) share += w.value();
+    (share > 0.5 ? hands : rest) = std::max(share > 0.5 ? hands : rest, moved[v]);
+  }
+  EXPECT_GT(rest, 0.02);
+  EXPECT_LT(hands, 0.75 * rest);
+}
+
 TEST_F(ChainTest, IsTheSameBitForBitAgainAndOnMoreThreads) {
   expect_same(clip_, run(1), kFrames);
   expect_same(clip_, run(3), kFrames);
