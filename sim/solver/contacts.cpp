@@ -15,7 +15,6 @@ constexpr double kOutside = 0.005;  // m: how far the smooth surface may lie out
 constexpr double kSteep = 1.6;      // the field grows no faster, where it matters
 constexpr double kApart = 1e-4;  // m: what never comes as near as twice this on the way is left out
 constexpr double kStray = 0.002;    // m: pairs stay known while vertices move as little as this
-constexpr double kStill = 0.002;    // m: what moves less keeps the faces that support it
 constexpr double kDeep = 0.04;      // m: as deep inside the body loose vertices are found
 constexpr double kParallel = 1e-3;  // sin^2 of 1.8 degrees, between edges of mean length
 constexpr double kLift = 2;         // contact distances that loose vertices are pulled out to
@@ -70,7 +69,7 @@ ContactSearch::ContactSearch(const Faces& cloth, const Eigen::VectorXd& areas,
 
 void ContactSearch::forget() {
   is_known_ = false;
-  for (Supports& seen : supports_) seen.contacts.clear();
+  std::fill(supports_.begin(), supports_.end(), Supports{});
 }
 
 double ContactSearch::room_of(int vertex, const Eigen::VectorXd& x) const {
@@ -289,11 +288,20 @@ void ContactSearch::find_supports(int vertex, const Vec<3>& x, Supports& found) 
   }
 }
 
+void ContactSearch::Supports::note_change_from(int old_face) {
+  if (face() == old_face) return;
+  if (face() == before) still *= 2;
+  before = old_face;
+}
+
 void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, Touching& touching) {
   if (is_loose_[vertex]) return add_pull(vertex, x, touching);
   Supports& seen = supports_[vertex];
-  if (seen.contacts.empty() || (x - seen.at).squaredNorm() > kStill * kStill)
+  if (seen.contacts.empty() || (x - seen.at).squaredNorm() > seen.still * seen.still) {
+    const int face = seen.face();
     find_supports(vertex, x, seen);
+    seen.note_change_from(face);
+  }
   std::array<double, 2> force = {0, 0};
   std::array<Vec<3>, 2> direction;
   for (size_t i = 0; i < seen.contacts.size(); ++i) {
@@ -306,9 +314,11 @@ void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, To
     direction[i] = contact.known.gradient.normalized();
   }
   if (!(force[0] + force[1] > 0)) return;
-  constexpr double kFarStronger = 2;
-  const bool has_lost = force[1 - seen.leader] > kFarStronger * force[seen.leader];
-  if (has_lost) seen.leader = 1 - seen.leader;
+  const bool has_lost = force[1 - seen.leader] > seen.stronger * force[seen.leader];
+  if (has_lost) {
+    seen.leader = 1 - seen.leader;
+    seen.stronger *= 2;
+  }
   const Vec<3>& normal = direction[seen.leader];
   const double limit = friction_ * (force[0] + force[1]);
   if (has_lost || follow_ == 1 || seen.normal.isZero(0)) {

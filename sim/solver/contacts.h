@@ -102,11 +102,19 @@ class ContactSearch {
   // crease, where the nearest of two sides changes with every step, the energy would else be
   // another one each time.
   struct Supports {
-    Vec<3> at;  // m, where the vertex stood when they were found
+    Vec<3> at = Vec<3>::Zero();  // m, where the vertex stood when they were found
     std::vector<Contact> contacts;
-    int leader = 0;    // whose tangent plane friction acts in
-    Vec<3> normal;     // of friction, as it was last; 0: there was none
-    double limit = 0;  // the same, N
+    int leader = 0;                  // whose tangent plane friction acts in
+    Vec<3> normal = Vec<3>::Zero();  // of friction, as it was last; 0: there was none
+    double limit = 0;                // the same, N
+    // How far the vertex moves until they are found anew, m, and how many times as hard the other
+    // must push to become the leader. Twice as much each time that they come back to what they
+    // were, and that the leader changes: else they might for ever.
+    double still = 0.002, stronger = 2;
+    int before = -1;  // the first face, before it was what it is
+
+    int face() const { return contacts.empty() ? -1 : contacts[0].body_face; }
+    void note_change_from(int face);
   };
   void find_supports(int vertex, const Vec<3>& x, Supports& found) const;
   void add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, Touching& touching);

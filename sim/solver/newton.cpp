@@ -70,7 +70,8 @@ class Minimiser {
   };
   // What touches, and the system at x_. Returns the residual.
   double evaluate(Patch& patch, Order order);
-  // The same of the whole cloth, friction following what is there by so much.
+  // The same of the whole cloth, friction following what is there by so much, and standing still
+  // from then on: the worst part is settled in one energy.
   double evaluate_following(Patch& all, double share);
   void know_pairs(Patch& patch);
   // One step in the patch.
@@ -79,10 +80,12 @@ class Minimiser {
   void land();
   struct Aim {
     double cap;     // of the direction's length, that no vertex moves too far
-    double length;  // of step_, that nothing passes through anything
+    double length;  // of step_, that nothing passes through anything; 0: the energy rises anyway
+    bool is_weighed;  // trial_ has the energy there, but for barriers
   };
   Aim aim(Patch& patch, const Eigen::VectorXd& direction);
-  double energy_at(const Patch& patch, double length);
+  double energy_at(const Patch& patch, const Aim& aim);
+  double rounding() const { return kRounding * std::abs(system_.energy); }
   bool may_be_definite() const {
     return result_.residual <= kNear * config_.residual &&
            result_.residual <= kCloser * indefinite_at_;
@@ -125,7 +128,7 @@ double Minimiser::evaluate(Patch& patch, Order order) {
 double Minimiser::evaluate_following(Patch& all, double share) {
   contacts_.follow_friction(share);
   const double residual = evaluate(all, Order::kHessian);
-  contacts_.follow_friction(share < 1 ? 0 : 1);
+  contacts_.follow_friction(0);
   return residual;
 }
 
@@ -198,9 +201,9 @@ void Minimiser::land() {
   }
 }
 
-double Minimiser::energy_at(const Patch& patch, double length) {
-  const Eigen::VectorXd at = x_ + length * step_;
-  assemble(cloth_, patch.region, touching_, {}, at, Order::kValue, trial_);
+double Minimiser::energy_at(const Patch& patch, const Aim& aim) {
+  const Eigen::VectorXd at = x_ + aim.length * step_;
+  if (!aim.is_weighed) assemble(cloth_, patch.region, touching_, {}, at, Order::kValue, trial_);
   return trial_.energy + contacts_.barrier_energy(patch.pairs, at);
 }
 
@@ -211,10 +214,20 @@ Minimiser::Aim Minimiser::aim(Patch& patch, const Eigen::VectorXd& direction) {
     longest = std::max(longest, direction.segment<3>(i).norm());
   const double cap = std::min(1.0, config_.max_step_m / longest);
   spread(patch.region, cap * direction, step_);
-  prepare_step(patch);
   land();
+  // What the cloth may meet on the way only adds to the energy at its end: no need to look.
+  const Eigen::VectorXd weighed = step_;
+  assemble(cloth_, patch.region, touching_, {}, x_ + weighed, Order::kValue, trial_);
+  if (trial_.energy > system_.energy + rounding()) return {cap, 0, true};
+  const int before = contacts_.search_count();
   prepare_step(patch);
-  return {cap, contacts_.free_share(patch.pairs, x_, step_)};
+  const bool knew = contacts_.search_count() == before;
+  if (!knew) {
+    land();
+    prepare_step(patch);
+  }
+  const double length = contacts_.free_share(patch.pairs, x_, step_);
+  return {cap, length, knew && length == 1 && step_ == weighed};
 }
 
 void Minimiser::advance(Patch& patch) {
@@ -241,21 +254,26 @@ void Minimiser::advance(Patch& patch) {
   Eigen::VectorXd Hp;
   for (int tries = 0; tries < kMostTries; ++tries) {
     const double radius = tries == 0 ? solved.length : patch.radius;
-    const auto [cap, length] = aim(patch, tries == 0 ? solved.step : solved.cut(radius));
+    const Aim aimed = aim(patch, tries == 0 ? solved.step : solved.cut(radius));
+    const double cap = aimed.cap, length = aimed.length;
+    if (length == 0) {
+      patch.was_good = false;
+      patch.radius = 0.5 * radius * cap;
+      continue;
+    }
 
     // What the model foretells of the step as it became.
     const Eigen::VectorXd direction = restrict_to(patch.region, step_);
     multiply(linear, direction, Hp);
     const double rise = direction.dot(gradient);
     const double foretold = length * rise + 0.5 * length * length * direction.dot(Hp);
-    const double rounding = kRounding * std::abs(system_.energy);
-    const double fall = system_.energy - energy_at(patch, length);
+    const double fall = system_.energy - energy_at(patch, aimed);
     double ratio = -1;
-    if (std::abs(foretold) <= rounding)
+    if (std::abs(foretold) <= rounding())
       ratio = 1;  // neither is known any better
     else if (foretold < 0)
       ratio = fall / -foretold;
-    const bool is_lower = fall >= -kArmijo * length * std::min(0.0, rise) - rounding;
+    const bool is_lower = fall >= -kArmijo * length * std::min(0.0, rise) - rounding();
     patch.was_good = is_lower && ratio >= 0.25;
     if (!patch.was_good)
       patch.radius = 0.5 * radius * cap * std::max(length, 0.1);

@@ -135,8 +135,36 @@ TEST(Touching, IsOfTheVerticesAskedFor) {
   EXPECT_EQ(scene.anchors[4].face, -1);
 }
 
-// As in an armpit: where two parts of the body face one another, 4 mm apart, both push.
-TEST(Touching, BothSidesOfAGapPush) {
+// To and fro over an edge of the ground by 2.5 mm: the first face is not taken a third time.
+TEST(Touching, SupportsDoNotChangeForEver) {
+  OverGround scene(0.002);
+  const int v = 40;
+  const auto face_at = [&](double aside) {
+    scene.x = scene.sheet.x + same_step(scene.x, Vec<3>(aside, 0, 0));
+    scene.contacts.prepare(scene.x, no_step(scene.x));
+    return scene.contacts.touching({v}, scene.x, scene.anchors).contacts.at(0).body_face;
+  };
+  const int first = face_at(0);
+  double edge = 0;  // where the ground's face changes
+  do {
+    scene.contacts.forget();
+    ASSERT_LT(edge += 5e-4, 0.02);
+  } while (face_at(edge) == first);
+  scene.contacts.forget();
+  const double left = edge - 0.0015, right = edge + 0.001;
+  const int a = face_at(left), b = face_at(right);
+  ASSERT_NE(a, b);
+  EXPECT_EQ(face_at(left), a);
+  EXPECT_EQ(face_at(right), a);
+  EXPECT_EQ(face_at(left), a);
+  EXPECT_EQ(face_at(left + 0.0045), b);  // it did move on
+  scene.contacts.forget();
+  EXPECT_EQ(face_at(left), a);
+  EXPECT_EQ(face_at(right), b);
+}
+
+// As in an armpit: two parts of the body face one another, 4 mm apart.
+BodyCollider facing_grounds() {
   const Sheet ground = make_sheet(0.4, 20, 0), above = make_sheet(0.4, 16, 0.004);
   TriangleMesh lower, upper;
   lower.vertices = as_points(ground.x);
@@ -144,7 +172,30 @@ TEST(Touching, BothSidesOfAGapPush) {
   upper.vertices = as_points(above.x);
   upper.faces = above.faces.rowwise().reverse();
   const TriangleMesh both = join(lower, upper);
-  const BodyCollider body(both.vertices, both.faces);
+  return {both.vertices, both.faces};
+}
+
+// Friction acts on the side that pushes more, but does not change sides for ever.
+TEST(Touching, SidesOfAGapDoNotTakeTurnsForEver) {
+  const BodyCollider body = facing_grounds();
+  const Eigen::VectorXd areas = Eigen::VectorXd::Constant(81, 6e-4);
+  Eigen::VectorXd x = make_sheet(0.2, 8, 0.0016).x;
+  ContactSearch contacts(make_sheet(0.2, 8, 0).faces, areas, x, body, {}, 0.4);
+  std::vector<Anchor> anchors(81);
+  const auto normal_at = [&](double height) {
+    for (Eigen::Index i = 1; i < x.size(); i += 3) x[i] = height;
+    contacts.prepare(x, no_step(x));
+    return contacts.touching({40}, x, anchors).frictions.at(0).normal.y();
+  };
+  EXPECT_GT(normal_at(0.0016), 0.9);
+  EXPECT_LT(normal_at(0.0024), -0.9);  // the upper side pushes three times as hard
+  EXPECT_LT(normal_at(0.0016), -0.9);
+  EXPECT_LT(normal_at(0.0024), -0.9);
+  EXPECT_GT(normal_at(0.0012), 0.9);  // more than four times
+}
+
+TEST(Touching, BothSidesOfAGapPush) {
+  const BodyCollider body = facing_grounds();
   for (const double height : {0.002, 0.0017}) {
     const Sheet sheet = make_sheet(0.2, 8, height);
     const Eigen::VectorXd areas = Eigen::VectorXd::Constant(81, 6e-4);
