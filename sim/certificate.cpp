@@ -12,17 +12,30 @@ namespace {
 
 constexpr double kGapSearch = 0.05;  // m: gaps are measured up to here
 
-// Smallest signed distance to the body, but of vertices whose nearest face is switched off.
+// Smallest signed distance to the body, but of vertices whose nearest face is switched off. Where
+// the blended normal does not tell clearly that a place is outside, as between folds of skin, where
+// it may lean either way, the winding number does.
 double min_gap(const Eigen::Ref<const Points3>& positions, const BodyCollider& body) {
+  constexpr double kClear = 0.5;  // cosine of the normal and the way from the body to the place
   double smallest = kGapSearch;
+  std::vector<int> asked;
+  std::vector<double> distances;
   for (Eigen::Index v = 0; v < positions.rows(); ++v) {
     const Vec<3> x = positions.row(v).transpose();
     const ClosestPoint nearest = body.tree().closest(x, kGapSearch);
     if (nearest.face < 0 || body.is_off()[nearest.face]) continue;
-    const double side =
-        body.normal(nearest.face, nearest.barycentric).dot(x - nearest.point);
-    smallest = std::min(smallest, std::copysign(std::sqrt(nearest.squared_distance), side));
+    const double distance = std::sqrt(nearest.squared_distance);
+    const Vec<3> normal = body.normal(nearest.face, nearest.barycentric);
+    if (normal.dot(x - nearest.point) > kClear * distance) {
+      smallest = std::min(smallest, distance);
+    } else {
+      asked.push_back(static_cast<int>(v));
+      distances.push_back(distance);
+    }
   }
+  const Eigen::VectorXd winding = winding_numbers(body.tree(), positions(asked, Eigen::all));
+  for (size_t i = 0; i < asked.size(); ++i)
+    smallest = std::min(smallest, winding[i] > 0.5 ? -distances[i] : distances[i]);
   return smallest;
 }
 
@@ -58,8 +71,7 @@ void validate(const AcceptConfig& config) {
 garment::Certificate certify(const Eigen::Ref<const Points3>& positions, const Faces& faces,
                              const Faces& panel_faces, const Eigen::Ref<const Points2>& panels,
                              const SurfaceTree& posed, const BodyCollider& collider,
-                             const NewtonResult& solved,
-                             const AcceptConfig& accept) {
+                             const NewtonResult& solved, const AcceptConfig& accept) {
   const SurfaceTree cloth(positions, faces);
   const Strain stretch = strain(positions, faces, panels, panel_faces);
   garment::Certificate certificate;

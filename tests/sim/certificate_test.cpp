@@ -73,9 +73,8 @@ TEST(Certificate, CountsAsCgalDoes) {
       scene.sheet = make_sheet(0.4, 20, height);
       shake(scene.sheet.x, crumple, "crumple");
       const garment::Certificate c = scene.certificate();
-      EXPECT_EQ(c.body_intersections,
-                judge::crossings(scene.positions(), scene.sheet.faces, scene.ball.vertices,
-                                 scene.ball.faces));
+      EXPECT_EQ(c.body_intersections, judge::crossings(scene.positions(), scene.sheet.faces,
+                                                       scene.ball.vertices, scene.ball.faces));
       EXPECT_EQ(c.self_intersections, judge::self_crossings(scene.positions(), scene.sheet.faces));
       EXPECT_EQ(c.overlap_intersections, 0);
       with_body += c.body_intersections;
@@ -84,6 +83,51 @@ TEST(Certificate, CountsAsCgalDoes) {
     }
   EXPECT_GT(with_body, 1000);
   EXPECT_GT(with_itself, 100);
+}
+
+// How far the surface of a mesh around the origin, pierced once in each direction, is there.
+double radius_towards(const TriangleMesh& mesh, const Vec<3>& direction) {
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    Eigen::Matrix3d corners;
+    for (int k = 0; k < 3; ++k) corners.col(k) = mesh.vertices.row(mesh.faces(f, k)).transpose();
+    const Vec<3> share = corners.fullPivLu().solve(direction);
+    if (share.minCoeff() >= -1e-12) return 1 / share.sum();
+  }
+  ADD_FAILURE() << "the mesh has a hole";
+  return 0;
+}
+
+// Among spikes, where the normals of corners lean far from those of the faces around them.
+TEST(Certificate, TellsInsideFromOutsideAmongSpikes) {
+  Scene scene;
+  Eigen::VectorXd radii = Eigen::VectorXd::Ones(scene.ball.vertices.rows());
+  shake(radii, 0.35, "spikes");
+  scene.ball.vertices.array().colwise() *= radii.array().max(0.5).min(1.7);
+  const SurfaceTree posed(scene.ball.vertices, scene.ball.faces);
+  const BodyCollider collider(scene.ball.vertices, scene.ball.faces);
+  Eigen::VectorXd places = Eigen::VectorXd::Zero(3 * 1500);
+  shake(places, 1, "places");
+  const Sheet patch = make_sheet(1e-3, 1, 0);
+  int inside = 0, outside = 0;
+  for (Eigen::Index i = 0; i < places.size(); i += 3) {
+    const Vec<3> towards = places.segment<3>(i).normalized();
+    const Vec<3> place = (1 + 0.03 * places[i]) * radius_towards(scene.ball, towards) * towards;
+    Points3 positions = Eigen::Map<const Points3>(patch.x.data(), patch.x.size() / 3, 3);
+    positions.rowwise() += place.transpose();
+    bool is_inside = false;
+    for (Eigen::Index v = 0; v < positions.rows(); ++v) {
+      const Vec<3> x = positions.row(v).transpose();
+      is_inside |= x.norm() < radius_towards(scene.ball, x.normalized());
+    }
+    const double gap = certify(positions, patch.faces, patch.faces, patch.rest, posed, collider,
+                               scene.solved, scene.accept)
+                           .min_gap_m;
+    if (gap == 0.05) continue;  // too far to be measured
+    EXPECT_EQ(gap < 0, is_inside) << place.transpose();
+    (is_inside ? inside : outside) += 1;
+  }
+  EXPECT_GT(inside, 100);
+  EXPECT_GT(outside, 100);
 }
 
 // Skin that gave way: the cloth lies in the body as posed, and outside of the body as it gave way.
@@ -97,9 +141,8 @@ TEST(Certificate, CountsApartWhatGaveWay) {
   const garment::Certificate c = scene.certificate();
   EXPECT_TRUE(c.is_accepted) << c.reason;
   EXPECT_EQ(c.body_intersections, 0);
-  EXPECT_EQ(c.overlap_intersections,
-            judge::crossings(scene.positions(), scene.sheet.faces, scene.ball.vertices,
-                             scene.ball.faces));
+  EXPECT_EQ(c.overlap_intersections, judge::crossings(scene.positions(), scene.sheet.faces,
+                                                      scene.ball.vertices, scene.ball.faces));
   EXPECT_GT(c.overlap_intersections, 10);
 }
 
