@@ -14,29 +14,25 @@ constexpr double kGapSearch = 0.05;  // m: gaps are measured up to here
 
 // Smallest signed distance to the body, but of vertices whose nearest face is switched off. Where
 // the blended normal does not tell clearly that a place is outside, as between folds of skin, where
-// it may lean either way, the winding number does.
+// it may lean either way, the pseudonormal does.
 double min_gap(const Eigen::Ref<const Points3>& positions, const BodyCollider& body) {
   constexpr double kClear = 0.5;  // cosine of the normal and the way from the body to the place
   double smallest = kGapSearch;
-  std::vector<int> asked;
-  std::vector<double> distances;
+  std::vector<int> unclear;
   for (Eigen::Index v = 0; v < positions.rows(); ++v) {
     const Vec<3> x = positions.row(v).transpose();
     const ClosestPoint nearest = body.tree().closest(x, kGapSearch);
     if (nearest.face < 0 || body.is_off()[nearest.face]) continue;
     const double distance = std::sqrt(nearest.squared_distance);
     const Vec<3> normal = body.normal(nearest.face, nearest.barycentric);
-    if (normal.dot(x - nearest.point) > kClear * distance) {
+    if (normal.dot(x - nearest.point) > kClear * distance)
       smallest = std::min(smallest, distance);
-    } else {
-      asked.push_back(static_cast<int>(v));
-      distances.push_back(distance);
-    }
+    else
+      unclear.push_back(static_cast<int>(v));
   }
-  const Eigen::VectorXd winding = winding_numbers(body.tree(), positions(asked, Eigen::all));
-  for (size_t i = 0; i < asked.size(); ++i)
-    smallest = std::min(smallest, winding[i] > 0.5 ? -distances[i] : distances[i]);
-  return smallest;
+  if (unclear.empty()) return smallest;
+  const Points3 places = positions(unclear, Eigen::all);
+  return std::min(smallest, signed_distances(body.tree(), places, kGapSearch).minCoeff());
 }
 
 // Faces of the posed body that are not the collider's.

@@ -145,6 +145,7 @@ TEST_F(ChainTest, RecoversFromWhatCannotBe) {
     reasons.push_back(certificate.reason);
   ASSERT_EQ(reasons.size(), 3u);
   EXPECT_EQ(reasons[0], "");
+  EXPECT_NE(reasons[1], "");
   EXPECT_EQ(reasons[2], "");
 }
 
