@@ -12,9 +12,10 @@ namespace {
 
 constexpr double kGapSearch = 0.05;  // m: gaps are measured up to here
 
-// Smallest signed distance to the body, but of vertices whose nearest face is switched off. Where
-// the blended normal does not tell clearly that a place is outside, as between folds of skin, where
-// it may lean either way, the pseudonormal does.
+// Smallest signed distance to the body, but of vertices whose nearest place is on a face that is
+// switched off, or on the rim of one: which side is inside cannot be told there. Where the blended
+// normal does not tell clearly that a place is outside, as between folds of skin, where it
+// may lean either way, the pseudonormal does.
 double min_gap(const Eigen::Ref<const Points3>& positions, const BodyCollider& body) {
   constexpr double kClear = 0.5;  // cosine of the normal and the way from the body to the place
   double smallest = kGapSearch;
@@ -22,7 +23,7 @@ double min_gap(const Eigen::Ref<const Points3>& positions, const BodyCollider& b
   for (Eigen::Index v = 0; v < positions.rows(); ++v) {
     const Vec<3> x = positions.row(v).transpose();
     const ClosestPoint nearest = body.tree().closest(x, kGapSearch);
-    if (nearest.face < 0 || body.is_off()[nearest.face]) continue;
+    if (nearest.face < 0 || body.share_on(nearest.face, nearest.barycentric) == 0) continue;
     const double distance = std::sqrt(nearest.squared_distance);
     const Vec<3> normal = body.normal(nearest.face, nearest.barycentric);
     if (normal.dot(x - nearest.point) > kClear * distance)

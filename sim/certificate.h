@@ -12,7 +12,7 @@ namespace pleat::sim {
 struct AcceptConfig {          // section `accept`
   double residual = 1e-3;   // |force imbalance| / |weight|, at most
   double min_gap_m = 0;     // of every vertex, but where the body passes through itself; at least
-  double strain_95 = 0.15;  // 95th percentile over faces, at most
+  double strain_95 = 0.25;  // 95th percentile over faces, at most
 };
 void validate(const AcceptConfig& config);
 

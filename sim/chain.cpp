@@ -44,6 +44,10 @@ Wearer blend(const Wearer& a, const Wearer& b, double t) {
   return {(1 - t) * a.shape + t * b.shape, body::blend(a.pose, b.pose, t)};
 }
 
+Points3 posed(const body::BodyModel& model, const Wearer& wearer) {
+  return body::pose_body(model, body::shape_body(model, wearer.shape), wearer.pose);
+}
+
 // The largest turn of one of these joints between two poses, rad.
 double largest_turn(const body::Pose& a, const body::Pose& b, const std::vector<char>& joints) {
   double largest = 0;
@@ -115,13 +119,13 @@ class Chain {
                           fabric)),
         wearer_(start),
         opener_(model),
-        posed_(body::pose_body(model, body::shape_body(model, start.shape), start.pose),
-               model.faces),
-        collider_(opener_.open(posed_.vertices()), model.faces),
-        next_tree_(collider_.vertices(), model.faces),
+        posed_(posed(model, start), model.faces),
+        collider_(posed(model, {start.shape, body::Pose{}}), model.faces),
+        next_tree_(opener_.open(posed_.vertices()), model.faces),
         factor_(cloth_.bending_hessian),
         contacts_(topology.faces, cloth_.area, as_vector(positions), collider_, config.contact,
                   fabric.friction) {
+    collider_.move_to(next_tree_.vertices());  // made in the T-pose: see BodyCollider
     state_.x = as_vector(positions);
     state_.anchors.resize(topology.vertex_count);
     for (const Edge& edge : edges(topology.faces)) edges_.push_back(edge.vertices);
@@ -217,8 +221,7 @@ class Chain {
   // pinched and holds the body up, the body through the cloth. Returns the iterations that this
   // took.
   int carry(const Wearer& next, int looks) {
-    const body::ShapedBody shaped = body::shape_body(model_, next.shape);
-    posed_.refit(body::pose_body(model_, shaped, next.pose));
+    posed_.refit(posed(model_, next));
     const Points3 body_next = opener_.open(posed_.vertices());
     next_tree_.refit(body_next);
     const std::vector<char> is_off_next = collider_.overlaps(next_tree_);

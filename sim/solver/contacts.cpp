@@ -98,8 +98,12 @@ Scene ContactSearch::scene_at(const Eigen::VectorXd& x) const {
   return scene;
 }
 
-void ContactSearch::prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step) {
+void ContactSearch::look_around(const Eigen::VectorXd& x) {
   if (may_cross_ || has_loose_) find_loose(x);
+  prepare(x, Eigen::VectorXd::Zero(x.size()));
+}
+
+void ContactSearch::prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step) {
   std::vector<char> is_asked(count(), 1);
   int asked = count();
   if (is_known_) {
@@ -188,7 +192,7 @@ void ContactSearch::find_loose(const Eigen::VectorXd& x) {
     if (is_loose_[v]) continue;
     const Vec<3> place = x.segment<3>(3 * v);
     const ClosestPoint nearest = body_.tree().closest(place, kDeep);
-    if (nearest.face < 0 || body_.is_off()[nearest.face]) continue;
+    if (nearest.face < 0 || body_.share_on(nearest.face, nearest.barycentric) == 0) continue;
     if (body_.normal(nearest.face, nearest.barycentric).dot(place - nearest.point) < 0)
       asked.push_back(v);
   }

@@ -54,6 +54,8 @@ class ContactSearch {
   // known, 0 .. 1.
   double known_share(const std::vector<int>& vertices, const Eigen::VectorXd& x,
                      const Eigen::VectorXd& step) const;
+  // Finds all that may come near x, and what is loose there, which `prepare` takes as it was.
+  void look_around(const Eigen::VectorXd& x);
   // Finds all that may come near on the way from x to x + step, of vertices of which it is not
   // known.
   void prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step);

@@ -320,7 +320,7 @@ bool Minimiser::settle_worst() {
 
 NewtonResult Minimiser::run() {
   Patch all{whole(cloth_), true};
-  contacts_.prepare(x_, step_);
+  contacts_.look_around(x_);
   bool is_fresh = false, was_local = false, is_cautious = false;
   double least = std::numeric_limits<double>::infinity();
   int least_at = 0;
@@ -347,14 +347,14 @@ NewtonResult Minimiser::run() {
     if (!is_settled && result_.iterations > 0 && !was_local) {
       was_local = settle_worst();
       if (was_local) {
-        contacts_.prepare(x_, Eigen::VectorXd::Zero(x_.size()));
+        contacts_.look_around(x_);
         continue;
       }
     }
     was_local = false;
     if (!is_fresh || (!has_own_ && may_be_definite())) renew_factor(all);
     advance(all);
-    contacts_.prepare(x_, Eigen::VectorXd::Zero(x_.size()));
+    contacts_.look_around(x_);
     is_fresh = all.products <= kStale && all.was_good;
     ++result_.iterations;
   }
