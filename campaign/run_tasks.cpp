@@ -206,12 +206,6 @@ void run_chain(Run& run, const Chain& chain, Progress& progress) {
   const std::string shard = shard_path(run.options.folder, chain.key);
   try {
     if (!finish_chain(run, chain, progress)) return;
-  } catch (const SolverError& error) {
-    write_failure(run.options.folder, chain.key, run.campaign.designs[chain.design].name,
-                  run.campaign.motions[chain.motion].name, error.what());
-    const std::lock_guard<std::mutex> lock(run.mutex);
-    ++run.report.failed;
-    return;
   } catch (const fs::filesystem_error& error) {
     if (!fs::exists(shard)) throw ResourceError(error.what());
   } catch (const std::bad_alloc&) {

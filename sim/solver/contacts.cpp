@@ -181,6 +181,7 @@ size_t ContactSearch::learn(const PairFinder::Found& fresh, const std::vector<ch
 void ContactSearch::find_loose(const Eigen::VectorXd& x) {
   if (!may_cross_ && loose_at_ == x) return;
   loose_at_ = x;
+  const bool has_moved_on = may_cross_;
   may_cross_ = false;
   std::vector<char> before = std::move(is_loose_);
   is_loose_.assign(count(), 0);
@@ -200,6 +201,9 @@ void ContactSearch::find_loose(const Eigen::VectorXd& x) {
   for (size_t i = 0; i < asked.size(); ++i) queries.row(i) = x.segment<3>(3 * asked[i]).transpose();
   const Eigen::VectorXd winding = winding_numbers(body_.tree(), queries);
   for (size_t i = 0; i < asked.size(); ++i) is_loose_[asked[i]] = winding[i] > 0.5;
+  // What comes free stays so until the body moves on, and no more comes loose: what is pulled out
+  // would draw in what hangs on it, and that again, without end.
+  for (int v = 0; v < count() && !has_moved_on; ++v) is_loose_[v] &= before[v];
   has_loose_ = std::find(is_loose_.begin(), is_loose_.end(), 1) != is_loose_.end();
   if (is_loose_ != before) is_known_ = false;
 }
@@ -299,12 +303,17 @@ void ContactSearch::Supports::note_change_from(int old_face) {
 }
 
 void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, Touching& touching) {
-  if (is_loose_[vertex]) return add_pull(vertex, x, touching);
   Supports& seen = supports_[vertex];
-  if (seen.contacts.empty() || (x - seen.at).squaredNorm() > seen.still * seen.still) {
+  const bool is_loose = is_loose_[vertex];
+  if (seen.contacts.empty() || seen.contacts[0].is_flat != is_loose ||
+      (x - seen.at).squaredNorm() > seen.still * seen.still) {
     const int face = seen.face();
-    find_supports(vertex, x, seen);
+    is_loose ? find_pull(vertex, x, seen) : find_supports(vertex, x, seen);
     seen.note_change_from(face);
+  }
+  if (is_loose) {
+    for (const Contact& pull : seen.contacts) touching.contacts.push_back(pull);
+    return;
   }
   std::array<double, 2> force = {0, 0};
   std::array<Vec<3>, 2> direction;
@@ -339,10 +348,14 @@ void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, To
 }
 
 // The smooth surface does not reach deep inside: loose vertices are pulled to planes.
-void ContactSearch::add_pull(int vertex, const Vec<3>& x, Touching& touching) const {
+void ContactSearch::find_pull(int vertex, const Vec<3>& x, Supports& found) const {
+  found.at = x;
+  found.contacts.clear();
+  found.leader = 0;
+  found.normal.setZero();
   const ClosestPoint nearest = body_.tree().closest(x, kDeep);
   if (nearest.face < 0 || body_.is_off()[nearest.face]) return;
-  touching.contacts.push_back(
+  found.contacts.push_back(
       {vertex, nearest.face, nearest.barycentric, body_.normal(nearest.face, nearest.barycentric),
        kLift * config_.distance_m, config_.stiffness_N_per_m3 * areas_[vertex], x, 0, true});
 }

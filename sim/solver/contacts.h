@@ -119,8 +119,8 @@ class ContactSearch {
     void note_change_from(int face);
   };
   void find_supports(int vertex, const Vec<3>& x, Supports& found) const;
+  void find_pull(int vertex, const Vec<3>& x, Supports& found) const;  // of a loose one
   void add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, Touching& touching);
-  void add_pull(int vertex, const Vec<3>& x, Touching& touching) const;
   void find_loose(const Eigen::VectorXd& x);
   size_t learn(const PairFinder::Found& fresh, const std::vector<char>& is_asked);
   void measure(const Eigen::VectorXd& x, size_t old);

@@ -225,6 +225,63 @@ TEST(Touching, BothSidesOfAGapPush) {
   }
 }
 
+// ---- What lies in the body
+
+// A level cloth in a ball: what is inside, and what crosses, is loose, and pulled to planes.
+struct InBall {
+  TriangleMesh ball = make_sphere(3, 0.03);
+  BodyCollider body{ball.vertices, ball.faces};
+  Sheet sheet;
+  Eigen::VectorXd x, areas = Eigen::VectorXd::Constant(9, 1e-4);
+  std::vector<Anchor> anchors = std::vector<Anchor>(9);
+  ContactSearch contacts;
+
+  explicit InBall(double height)
+      : sheet(make_sheet(0.1, 2, height)),
+        x(sheet.x),
+        contacts(sheet.faces, areas, x, body, {}, 0.4) {}
+  std::vector<Contact> pulls() {
+    std::vector<Contact> flat;
+    for (const Contact& contact : contacts.touching(all_of(9), x, anchors).contacts)
+      if (contact.is_flat) flat.push_back(contact);
+    return flat;
+  }
+};
+
+TEST(Loose, WhatCameFreeStaysFreeUntilTheBodyMovesOn) {
+  InBall scene(0.01);
+  const Eigen::VectorXd inside = scene.x, outside = inside + same_step(inside, {0, 0.05, 0});
+  const auto pulls_at = [&](const Eigen::VectorXd& x) {
+    scene.x = x;
+    scene.contacts.look_around(x);
+    return scene.pulls().size();
+  };
+  EXPECT_GT(pulls_at(inside), 0u);
+  EXPECT_EQ(pulls_at(outside), 0u);
+  EXPECT_EQ(pulls_at(inside), 0u);
+  Eigen::VectorXd step = no_step(inside);
+  scene.contacts.free_share_without_body(inside, step);
+  EXPECT_GT(pulls_at(inside), 0u);
+}
+
+// The way out of the middle of a ball changes with every step; the pull does not.
+TEST(Loose, PullsDoNotChangeWithEveryStep) {
+  constexpr int kMiddle = 4;
+  InBall scene(0);
+  scene.contacts.look_around(scene.x);
+  const auto pull_at = [&](double height) {
+    scene.x[3 * kMiddle + 1] = height;
+    for (const Contact& pull : scene.pulls())
+      if (pull.vertex == kMiddle) return pull.normal.y();
+    ADD_FAILURE() << "no pull";
+    return 0.0;
+  };
+  const double upwards = pull_at(0.0004);
+  EXPECT_GT(upwards, 0.5);
+  EXPECT_EQ(pull_at(-0.0004), upwards);
+  EXPECT_LT(pull_at(-0.003), -0.5);
+}
+
 // ---- What is known
 
 TEST(ContactSearch, KnowsAsMuchAsItLookedFor) {
