@@ -3,7 +3,7 @@
 //   garments/KEY.h5           a design, settled on the mean body
 //   shards/KEY.h5             a chain: its drapes
 //   parts/KEY/FRAME.h5        what there is of a chain that is not finished
-//   failures/KEY.json         why a chain, or a design, came to nothing
+//   failures/KEY.json         why a design came to nothing
 //   set_aside/                damaged and superseded files; nothing reads them
 #pragma once
 
