@@ -109,10 +109,9 @@ struct Run {
 };
 
 void write_failure(const std::string& folder, const std::string& key, const std::string& design,
-                   const std::string& motion, const std::string& what) {
+                   const std::string& what) {
   const nlohmann::ordered_json json = {
       {"key", key},           {"design", design},
-      {"motion", motion},  // none: the design itself failed
       {"what", what},         {"commit", commit()},
       {"machine", machine()}, {"again", "pleat rerun " + folder + " --failed"}};
   fs::create_directories(folder + "/failures");
@@ -201,7 +200,6 @@ bool finish_chain(Run& run, const Chain& chain, Progress& progress) {
 }
 
 // The same, where other processes may take away what it reads and writes: then the shard is there.
-// Nothing but the solver's own failure is recorded as one.
 void run_chain(Run& run, const Chain& chain, Progress& progress) {
   const std::string shard = shard_path(run.options.folder, chain.key);
   try {
@@ -286,7 +284,7 @@ RunReport settle_garments(const Campaign& campaign, const Manifest& manifest,
     if (failure.empty())
       garment::write_garment(garment_path(options.folder, key), garment, provenance);
     else
-      write_failure(options.folder, key, design.name, "", failure);
+      write_failure(options.folder, key, design.name, failure);
     const std::lock_guard<std::mutex> lock(mutex);
     ++(failure.empty() ? report.made : report.failed);
     progress.advance(1, failure.empty() ? design.name : failure);

@@ -12,8 +12,8 @@ class InputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// A computation came to nothing for what it was given, such as forces that are not finite. Campaigns
-// record it and go on with the rest.
+// A computation came to nothing for what it was given, such as forces that are not finite. Chains
+// leave the cloth as it was and reject the frame.
 class SolverError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -243,10 +243,6 @@ void ContactSearch::find_supports(int vertex, const Vec<3>& x, Supports& found) 
     Vec<3> barycentric, point, normal;
     double distance;
   };
-  found.at = x;
-  found.contacts.clear();
-  found.leader = 0;
-  found.normal.setZero();
   const int begin = found_.rest_start[vertex], end = found_.rest_start[vertex + 1];
   if (begin == end) return;
   const Points3& vertices = body_.vertices();
@@ -296,6 +292,13 @@ void ContactSearch::find_supports(int vertex, const Vec<3>& x, Supports& found) 
   }
 }
 
+void ContactSearch::Supports::begin_at(const Vec<3>& x) {
+  at = x;
+  contacts.clear();
+  leader = 0;
+  normal.setZero();
+}
+
 void ContactSearch::Supports::note_change_from(int old_face) {
   if (face() == old_face) return;
   if (face() == before) still *= 2;
@@ -308,11 +311,12 @@ void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, To
   if (seen.contacts.empty() || seen.contacts[0].is_flat != is_loose ||
       (x - seen.at).squaredNorm() > seen.still * seen.still) {
     const int face = seen.face();
+    seen.begin_at(x);
     is_loose ? find_pull(vertex, x, seen) : find_supports(vertex, x, seen);
     seen.note_change_from(face);
   }
   if (is_loose) {
-    for (const Contact& pull : seen.contacts) touching.contacts.push_back(pull);
+    touching.contacts.insert(touching.contacts.end(), seen.contacts.begin(), seen.contacts.end());
     return;
   }
   std::array<double, 2> force = {0, 0};
@@ -349,10 +353,6 @@ void ContactSearch::add_contacts(int vertex, const Vec<3>& x, Anchor& anchor, To
 
 // The smooth surface does not reach deep inside: loose vertices are pulled to planes.
 void ContactSearch::find_pull(int vertex, const Vec<3>& x, Supports& found) const {
-  found.at = x;
-  found.contacts.clear();
-  found.leader = 0;
-  found.normal.setZero();
   const ClosestPoint nearest = body_.tree().closest(x, kDeep);
   if (nearest.face < 0 || body_.is_off()[nearest.face]) return;
   found.contacts.push_back(

@@ -100,8 +100,8 @@ class ContactSearch {
   }
   PairPoints points_of(const NearPair& pair, const Eigen::VectorXd& x) const;
   Anchor anchor_below(const Vec<3>& place, const Vec<3>& normal) const;
-  // The body faces that support a vertex. They stay the same until it has moved on a little: in a
-  // crease, where the nearest of two sides changes with every step, the energy would else be
+  // The body faces that support a vertex, or the one whose plane a loose vertex is pulled to. They
+  // stay the same until it has moved on a little: in a crease, where the nearest of two sides changes with every step, the energy would else be
   // another one each time.
   struct Supports {
     Vec<3> at = Vec<3>::Zero();  // m, where the vertex stood when they were found
@@ -116,6 +116,7 @@ class ContactSearch {
     int before = -1;  // the first face, before it was what it is
 
     int face() const { return contacts.empty() ? -1 : contacts[0].body_face; }
+    void begin_at(const Vec<3>& x);  // with none yet
     void note_change_from(int face);
   };
   void find_supports(int vertex, const Vec<3>& x, Supports& found) const;

@@ -65,6 +65,18 @@ TEST(Certificate, NamesWhatIsNot) {
   inside.expect_rejected("inside the body");
 }
 
+// A square millimetre of cloth about a place.
+struct Patch {
+  Sheet sheet = make_sheet(1e-3, 1, 0);
+  Points3 positions = Eigen::Map<const Points3>(sheet.x.data(), sheet.x.size() / 3, 3);
+
+  explicit Patch(const Vec<3>& place) { positions.rowwise() += place.transpose(); }
+  double gap_to(const SurfaceTree& posed, const BodyCollider& collider) const {
+    return certify(positions, sheet.faces, sheet.faces, sheet.rest, posed, collider, {}, {})
+        .min_gap_m;
+  }
+};
+
 // Every pair of faces by CGAL, for sheets that are let down into the ball, crumpled or folded.
 TEST(Certificate, CountsAsCgalDoes) {
   int with_body = 0, with_itself = 0;
@@ -108,21 +120,17 @@ TEST(Certificate, TellsInsideFromOutsideAmongSpikes) {
   const BodyCollider collider(scene.ball.vertices, scene.ball.faces);
   Eigen::VectorXd places = Eigen::VectorXd::Zero(3 * 1500);
   shake(places, 1, "places");
-  const Sheet patch = make_sheet(1e-3, 1, 0);
   int inside = 0, outside = 0;
   for (Eigen::Index i = 0; i < places.size(); i += 3) {
     const Vec<3> towards = places.segment<3>(i).normalized();
     const Vec<3> place = (1 + 0.03 * places[i]) * radius_towards(scene.ball, towards) * towards;
-    Points3 positions = Eigen::Map<const Points3>(patch.x.data(), patch.x.size() / 3, 3);
-    positions.rowwise() += place.transpose();
+    const Patch patch(place);
     bool is_inside = false;
-    for (Eigen::Index v = 0; v < positions.rows(); ++v) {
-      const Vec<3> x = positions.row(v).transpose();
+    for (Eigen::Index v = 0; v < patch.positions.rows(); ++v) {
+      const Vec<3> x = patch.positions.row(v).transpose();
       is_inside |= x.norm() < radius_towards(scene.ball, x.normalized());
     }
-    const double gap = certify(positions, patch.faces, patch.faces, patch.rest, posed, collider,
-                               scene.solved, scene.accept)
-                           .min_gap_m;
+    const double gap = patch.gap_to(posed, collider);
     if (gap == 0.05) continue;  // too far to be measured
     EXPECT_EQ(gap < 0, is_inside) << place.transpose();
     (is_inside ? inside : outside) += 1;
@@ -142,13 +150,8 @@ TEST(Certificate, MeasuresNothingOnTheRimOfWhatIsSwitchedOff) {
   scene.collider.move_to(pierced);
   const std::vector<std::vector<int>> neighbours =
       vertex_neighbours(scene.ball.faces, pierced.rows());
-  const Sheet patch = make_sheet(1e-3, 1, 0);
   const auto gap_at = [&](const Vec<3>& place) {
-    Points3 positions = Eigen::Map<const Points3>(patch.x.data(), patch.x.size() / 3, 3);
-    positions.rowwise() += place.transpose();
-    return certify(positions, patch.faces, patch.faces, patch.rest, scene.posed, scene.collider,
-                   scene.solved, scene.accept)
-        .min_gap_m;
+    return Patch(place).gap_to(scene.posed, scene.collider);
   };
   constexpr double kNone = 0.05;
   for (const int v : neighbours[pole])
