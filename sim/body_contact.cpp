@@ -169,6 +169,10 @@ void BodyCollider::fit_quadrics() {
   }
 }
 
+bool BodyCollider::is_clear(int face) const {
+  return on_[faces()(face, 0)] != 0 && on_[faces()(face, 1)] != 0 && on_[faces()(face, 2)] != 0;
+}
+
 double BodyCollider::share_on(int face, const Vec<3>& barycentric) const {
   double share = 0;
   for (int c = 0; c < 3; ++c) share += barycentric[c] * on_[faces()(face, c)];

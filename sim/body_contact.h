@@ -37,6 +37,8 @@ class BodyCollider {
   // Of each face of a body in this pose: whether it is switched off.
   std::vector<char> overlaps(const SurfaceTree& posed) const;
   const std::vector<char>& is_off() const { return is_off_; }  // the same, of the pose it stands in
+  // Whether neither the face nor one that shares a corner with it is off: no cloth may cross it.
+  bool is_clear(int face) const;
   // 0 on faces that are switched off, rising to 1 over the faces next to them.
   double share_on(int face, const Vec<3>& barycentric) const;
   const Points3& vertices() const { return tree_.vertices(); }

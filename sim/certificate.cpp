@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kGapSearch = 0.05;  // m: gaps are measured up to here
 
-// Smallest signed distance to the body, but of vertices whose nearest place is on a face that is
-// switched off, or on the rim of one: which side is inside cannot be told there. Where the blended
+// Smallest signed distance to the body, but of vertices whose nearest face is switched off or next
+// to one that is: which side is inside cannot be told there. Where the blended
 // normal does not tell clearly that a place is outside, as between folds of skin, where it
 // may lean either way, the pseudonormal does.
 double min_gap(const Eigen::Ref<const Points3>& positions, const BodyCollider& body) {
@@ -23,7 +23,7 @@ double min_gap(const Eigen::Ref<const Points3>& positions, const BodyCollider& b
   for (Eigen::Index v = 0; v < positions.rows(); ++v) {
     const Vec<3> x = positions.row(v).transpose();
     const ClosestPoint nearest = body.tree().closest(x, kGapSearch);
-    if (nearest.face < 0 || body.share_on(nearest.face, nearest.barycentric) == 0) continue;
+    if (nearest.face < 0 || !body.is_clear(nearest.face)) continue;
     const double distance = std::sqrt(nearest.squared_distance);
     const Vec<3> normal = body.normal(nearest.face, nearest.barycentric);
     if (normal.dot(x - nearest.point) > kClear * distance)
@@ -39,14 +39,24 @@ double min_gap(const Eigen::Ref<const Points3>& positions, const BodyCollider& b
 // Faces of the posed body that are not the collider's.
 std::vector<char> faces_that_gave_way(const SurfaceTree& posed, const BodyCollider& collider) {
   constexpr double kMoved = 1e-4;  // m
-  std::vector<char> gave_way = collider.is_off();
-  for (size_t f = 0; f < gave_way.size(); ++f)
+  std::vector<char> gave_way(collider.faces().rows());
+  for (size_t f = 0; f < gave_way.size(); ++f) {
+    gave_way[f] = !collider.is_clear(static_cast<int>(f));
     for (int c = 0; c < 3; ++c) {
       const int v = collider.faces()(f, c);
       gave_way[f] |= (collider.vertices().row(v) - posed.vertices().row(v)).norm() > kMoved;
     }
+  }
   return gave_way;
 }
+
+}  // namespace
+
+bool is_in_body(const garment::Certificate& certificate, const AcceptConfig& accept) {
+  return certificate.body_intersections > 0 || !(certificate.min_gap_m >= accept.min_gap_m);
+}
+
+namespace {
 
 std::string reason_to_reject(const garment::Certificate& c, const AcceptConfig& accept) {
   if (c.self_intersections > 0) return "crosses itself";
@@ -78,7 +88,7 @@ garment::Certificate certify(const Eigen::Ref<const Points3>& positions, const F
   certificate.strain_95 = stretch.percentile_95;
   certificate.is_stable = solved.is_stable;
   for (const auto& [cloth_face, body_face] : intersecting_faces(cloth, collider.tree()))
-    certificate.body_intersections += !collider.is_off()[body_face];
+    certificate.body_intersections += collider.is_clear(body_face);
   const std::vector<char> gave_way = faces_that_gave_way(posed, collider);
   for (const auto& [cloth_face, body_face] : intersecting_faces(cloth, posed))
     certificate.overlap_intersections += gave_way[body_face];

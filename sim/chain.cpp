@@ -149,10 +149,10 @@ class Chain {
       if (s < steps) iterations += settle(easing()).iterations;
     }
     NewtonConfig last = last_step;
-    // Cloth that the body went through seldom comes to rest; other ways, and what is left of the
-    // time, serve better.
+    // Where the body went through the cloth it is worth more to look again for what is caught than
+    // to come to rest.
     if (is_forced_) last.max_iterations = std::min(last.max_iterations, kForcedIterations);
-    NewtonResult result = settle(last);
+    NewtonResult result = settle_free(last);
     result.iterations += iterations;
     return result;
   }
@@ -170,6 +170,22 @@ class Chain {
       none.residual = kBrokenDown;
       return none;
     }
+  }
+
+  // Pulls on what is caught in the body come to rest where their planes are, not always outside:
+  // from there it is looked for anew. What is free where the body went through the cloth may go on
+  // coming to rest.
+  NewtonResult settle_free(const NewtonConfig& solver) {
+    NewtonResult result = settle(solver);
+    for (int i = 0; i < kMostFrees && !(should_stop_ && should_stop_()); ++i) {
+      const bool is_caught = contacts_.has_loose() && is_in_body(certify(result), config_.accept);
+      if (!is_caught && (!is_forced_ || result.has_converged)) break;
+      if (is_caught) contacts_.free_again();
+      const int iterations = result.iterations;
+      result = settle(solver);
+      result.iterations += iterations;
+    }
+    return result;
   }
 
   NewtonConfig easing() const {
@@ -214,6 +230,7 @@ class Chain {
  private:
   static constexpr double kLeastShare = 0.02;
   static constexpr int kForcedIterations = 50;
+  static constexpr int kMostFrees = 4;  // times that what is caught is looked for in one pose
   static constexpr double kBrokenDown = 1e9;  // residual of what has none
 
   // Moves the body, the cloth going along, and settles it on the way where it is caught. Nothing
@@ -397,6 +414,8 @@ class Walk {
   void start(const garment::ClipState* from) {
     chain_ = from ? taken_up(*from, config_) : nullptr;
     is_sound_ = !from || from->is_sound;
+    last_sound_.reset();
+    if (from && is_sound_) last_sound_ = *from;
   }
 
   garment::Certificate drape_frame(int t) {
@@ -409,8 +428,11 @@ class Walk {
     if (t > 0 && is_sound_) {
       ways = {Way::kOn, Way::kPatient, Way::kRefined, Way::kAnew};
     } else if (t > 0) {  // caught: only another beginning helps
-      ways = {Way::kOn, Way::kRefined, Way::kAnew};
-      most = t % kCaught == 0 ? std::max(1, config_.retries) : 1;
+      ways = {Way::kOn};
+      if (config_.retries >= 1 && last_sound_) ways.push_back(Way::kAround);
+      if (config_.retries >= 2 && t % kCaught == 0) ways.push_back(Way::kRefined);
+      if (config_.retries >= 3 && t % kCaught == 0) ways.push_back(Way::kAnew);
+      most = static_cast<int>(ways.size());
     }
     garment::Certificate certificate;
     int tries = 0;
@@ -432,6 +454,7 @@ class Walk {
     }
     if (!certificate.is_accepted && is_out_of_time()) certificate.reason = garment::kOutOfTime;
     is_sound_ = certificate.is_accepted;
+    if (is_sound_) last_sound_ = chain_->state(t + 1, true);
     certificate.seconds = processor_seconds() - start_;
     return certificate;
   }
@@ -446,6 +469,7 @@ class Walk {
   enum class Way {
     kOn,       // from the frame before
     kPatient,  // the same in smaller steps
+    kAround,   // from the last accepted frame of the part, straight, not as the poses between went
     kRefined,  // dressed in the T-pose and brought there with a coarse tessellation, refined there
     kAnew      // dressed in the T-pose and brought there
   };
@@ -479,6 +503,7 @@ class Walk {
     const SimulationConfig config = is_patient ? patient(config_) : config_;
     if (way == Way::kOn) return std::move(chain_);
     if (way == Way::kPatient) return taken_up(*before, config);
+    if (way == Way::kAround) return taken_up(*last_sound_, config_);
     const Wearer mean{Eigen::VectorXd::Zero(shape_.size()), body::Pose{}};
     if (way == Way::kAnew) {
       auto chain = chain_on(mean, garment_.t_pose, config);
@@ -527,6 +552,7 @@ class Walk {
   std::unique_ptr<Chain> chain_;
   std::optional<Cut> coarse_;  // made where it is first needed
   bool is_sound_ = true;
+  std::optional<garment::ClipState> last_sound_;  // of the frames since start()
   double start_ = 0;  // of the frame, processor seconds
   bool was_stopped_ = false;
 };

@@ -72,6 +72,11 @@ void ContactSearch::forget() {
   std::fill(supports_.begin(), supports_.end(), Supports{});
 }
 
+void ContactSearch::free_again() {
+  forget();
+  may_cross_ = true;
+}
+
 double ContactSearch::room_of(int vertex, const Eigen::VectorXd& x) const {
   return reach_[vertex] - (x.segment<3>(3 * vertex) - found_at_.segment<3>(3 * vertex)).norm();
 }

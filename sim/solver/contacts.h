@@ -50,6 +50,9 @@ class ContactSearch {
 
   // The body stands elsewhere now.
   void forget();
+  // Looks for loose cloth anew, as if the body had moved on.
+  void free_again();
+  bool has_loose() const { return has_loose_; }
   // The largest share of the step on which these vertices stay where all that may come near is
   // known, 0 .. 1.
   double known_share(const std::vector<int>& vertices, const Eigen::VectorXd& x,

@@ -162,6 +162,31 @@ TEST(Certificate, MeasuresNothingOnTheRimOfWhatIsSwitchedOff) {
   }
 }
 
+// The same body: cloth that crosses faces next to those that are switched off counts apart.
+TEST(Certificate, CountsApartWhatCrossesNextToWhatIsSwitchedOff) {
+  Scene scene;
+  Eigen::Index pole;
+  scene.ball.vertices.col(1).maxCoeff(&pole);
+  Points3 pierced = scene.ball.vertices;
+  pierced.row(pole) *= -1.2;
+  scene.collider.move_to(pierced);
+  const SurfaceTree posed(pierced, scene.ball.faces);
+  int beside = 0;
+  for (Eigen::Index f = 0; f < scene.ball.faces.rows(); ++f) {
+    const int face = static_cast<int>(f);
+    const Vec<3> middle = scene.collider.point(face, Vec<3>::Constant(1. / 3));
+    if (std::abs(middle.normalized().y()) > 0.999) continue;  // where the patch does not cross
+    const Patch patch(middle);
+    const garment::Certificate c = certify(patch.positions, patch.sheet.faces, patch.sheet.faces,
+                                           patch.sheet.rest, posed, scene.collider, {}, {});
+    const bool is_clear = scene.collider.is_clear(face);
+    EXPECT_EQ(c.body_intersections > 0, is_clear) << f;
+    EXPECT_EQ(c.overlap_intersections > 0, !is_clear) << f;
+    beside += !is_clear && !scene.collider.is_off()[face];
+  }
+  EXPECT_GT(beside, 10);
+}
+
 // Skin that gave way: the cloth lies in the body as posed, and outside of the body as it gave way.
 TEST(Certificate, CountsApartWhatGaveWay) {
   Scene scene;
