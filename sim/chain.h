@@ -19,7 +19,7 @@ struct SimulationConfig {      // section `simulation`
   int ease_iterations = 4;
   // Other ways to a frame that is rejected: 1 in smaller steps, 2 also coarse-to-fine (dressed anew
   // and brought there with a coarse tessellation, refined there), 3 also dressed anew as it is.
-  // Behind a rejected frame only every fourth is tried in the last two.
+  // Behind a rejected frame: 1 straight from the last accepted one, and every fourth in the last two.
   int retries = 3;
   int checkpoint_frames = 20;  // after so many a chain begins anew from what its state says
   NewtonConfig solver;
