@@ -26,7 +26,7 @@ struct Certificate {
   double strain_95 = 0;    // 95th percentile over faces
   // Pairs of faces that cross or touch, by exact predicates:
   int body_intersections = 0;     // cloth and body, the skin pressed in where the body meets itself
-  int overlap_intersections = 0;  // cloth and body as posed, in those places only
+  int overlap_intersections = 0;  // cloth and body as posed, there and next to it only
   int self_intersections = 0;     // cloth and cloth
   int iterations = 0;             // of the solver, all substeps of the frame
   int attempts = 1;               // 1: the first way served, or none did (see sim/chain.h)

@@ -50,18 +50,10 @@ std::vector<char> faces_that_gave_way(const SurfaceTree& posed, const BodyCollid
   return gave_way;
 }
 
-}  // namespace
-
-bool is_in_body(const garment::Certificate& certificate, const AcceptConfig& accept) {
-  return certificate.body_intersections > 0 || !(certificate.min_gap_m >= accept.min_gap_m);
-}
-
-namespace {
-
 std::string reason_to_reject(const garment::Certificate& c, const AcceptConfig& accept) {
   if (c.self_intersections > 0) return "crosses itself";
-  if (c.body_intersections > 0) return "crosses the body";
-  if (!(c.min_gap_m >= accept.min_gap_m)) return "inside the body";
+  if (is_in_body(c, accept))
+    return c.body_intersections > 0 ? "crosses the body" : "inside the body";
   if (!(c.residual <= accept.residual)) return "not settled";
   if (!c.is_stable) return "not stable";
   if (!(c.strain_95 <= accept.strain_95)) return "too much strain";
@@ -73,6 +65,10 @@ std::string reason_to_reject(const garment::Certificate& c, const AcceptConfig& 
 void validate(const AcceptConfig& config) {
   if (!(config.residual > 0)) throw InputError("accept.residual must be > 0");
   if (!(config.strain_95 > 0)) throw InputError("accept.strain_95 must be > 0");
+}
+
+bool is_in_body(const garment::Certificate& certificate, const AcceptConfig& accept) {
+  return certificate.body_intersections > 0 || !(certificate.min_gap_m >= accept.min_gap_m);
 }
 
 garment::Certificate certify(const Eigen::Ref<const Points3>& positions, const Faces& faces,

@@ -23,7 +23,7 @@ garment::Certificate certify(const Eigen::Ref<const Points3>& positions, const F
                              const SurfaceTree& posed, const BodyCollider& collider,
                              const NewtonResult& solved, const AcceptConfig& accept);
 
-// Whether that is a reason to reject it.
+// Whether the drape is rejected for crossing the body or lying inside it.
 bool is_in_body(const garment::Certificate& certificate, const AcceptConfig& accept);
 
 }  // namespace pleat::sim

@@ -421,8 +421,6 @@ class Walk {
   garment::Certificate drape_frame(int t) {
     start_ = processor_seconds();
     was_stopped_ = false;
-    std::optional<garment::ClipState> before;
-    if (t > 0) before = chain_->state(t, is_sound_);
     std::vector<Way> ways = {has_coarse() ? Way::kRefined : Way::kAnew, Way::kAnew};
     int most = 1 + config_.retries;
     if (t > 0 && is_sound_) {
@@ -440,7 +438,7 @@ class Walk {
       if (certificate.is_accepted || tries == most || (tries > 0 && is_stopped())) break;
       // The slowest way of all, where the body went through the cloth, and seldom a better one.
       if (way == Way::kPatient && chain_->was_forced()) continue;
-      std::unique_ptr<Chain> chain = brought(way, t, before, tries > 0);
+      std::unique_ptr<Chain> chain = brought(way, t, tries > 0);
       if (!chain) continue;
       garment::Certificate tried = try_frame(*chain, t);
       tried.attempts = ++tries;
@@ -498,11 +496,10 @@ class Walk {
     return chain;
   }
   // As far as the last step, or steps, to frame t. Nothing where this way is closed.
-  std::unique_ptr<Chain> brought(Way way, int t, const std::optional<garment::ClipState>& before,
-                                 bool is_patient) {
+  std::unique_ptr<Chain> brought(Way way, int t, bool is_patient) {
     const SimulationConfig config = is_patient ? patient(config_) : config_;
     if (way == Way::kOn) return std::move(chain_);
-    if (way == Way::kPatient) return taken_up(*before, config);
+    if (way == Way::kPatient) return taken_up(*last_sound_, config);
     if (way == Way::kAround) return taken_up(*last_sound_, config_);
     const Wearer mean{Eigen::VectorXd::Zero(shape_.size()), body::Pose{}};
     if (way == Way::kAnew) {
@@ -552,7 +549,7 @@ class Walk {
   std::unique_ptr<Chain> chain_;
   std::optional<Cut> coarse_;  // made where it is first needed
   bool is_sound_ = true;
-  std::optional<garment::ClipState> last_sound_;  // of the frames since start()
+  std::optional<garment::ClipState> last_sound_;  // of the part; of the frame before if is_sound_
   double start_ = 0;  // of the frame, processor seconds
   bool was_stopped_ = false;
 };

@@ -139,38 +139,39 @@ TEST(Certificate, TellsInsideFromOutsideAmongSpikes) {
   EXPECT_GT(outside, 100);
 }
 
-// A corner of the ball pushed through its other side. On the rim of the faces that are switched off
-// for it normals say little, and nothing holds cloth off: nothing is measured. Elsewhere all is.
-TEST(Certificate, MeasuresNothingOnTheRimOfWhatIsSwitchedOff) {
-  Scene scene;
+// A corner of the ball pushed through its other side.
+struct PiercedBall : Scene {
   Eigen::Index pole;
-  scene.ball.vertices.col(1).maxCoeff(&pole);
-  Points3 pierced = scene.ball.vertices;
-  pierced.row(pole) *= -1.2;
-  scene.collider.move_to(pierced);
+  Points3 pierced = ball.vertices;
+
+  PiercedBall() {
+    ball.vertices.col(1).maxCoeff(&pole);
+    pierced.row(pole) *= -1.2;
+    collider.move_to(pierced);
+  }
+};
+
+// On the rim of the faces that are switched off there normals say little, and nothing holds cloth
+// off: nothing is measured. Elsewhere all is.
+TEST(Certificate, MeasuresNothingOnTheRimOfWhatIsSwitchedOff) {
+  const PiercedBall scene;
   const std::vector<std::vector<int>> neighbours =
-      vertex_neighbours(scene.ball.faces, pierced.rows());
+      vertex_neighbours(scene.ball.faces, scene.pierced.rows());
   const auto gap_at = [&](const Vec<3>& place) {
     return Patch(place).gap_to(scene.posed, scene.collider);
   };
   constexpr double kNone = 0.05;
-  for (const int v : neighbours[pole])
-    EXPECT_EQ(gap_at(1.05 * pierced.row(v).transpose()), kNone) << v;
+  for (const int v : neighbours[scene.pole])
+    EXPECT_EQ(gap_at(1.05 * scene.pierced.row(v).transpose()), kNone) << v;
   for (const double share : {0.95, 1.05}) {
-    const double gap = gap_at(share * Vec<3>(pierced.col(0).maxCoeff(), 0, 0));
+    const double gap = gap_at(share * Vec<3>(scene.pierced.col(0).maxCoeff(), 0, 0));
     EXPECT_NEAR(gap, (share - 1) * 0.15, 1e-3);
   }
 }
 
-// The same body: cloth that crosses faces next to those that are switched off counts apart.
 TEST(Certificate, CountsApartWhatCrossesNextToWhatIsSwitchedOff) {
-  Scene scene;
-  Eigen::Index pole;
-  scene.ball.vertices.col(1).maxCoeff(&pole);
-  Points3 pierced = scene.ball.vertices;
-  pierced.row(pole) *= -1.2;
-  scene.collider.move_to(pierced);
-  const SurfaceTree posed(pierced, scene.ball.faces);
+  const PiercedBall scene;
+  const SurfaceTree posed(scene.pierced, scene.ball.faces);
   int beside = 0;
   for (Eigen::Index f = 0; f < scene.ball.faces.rows(); ++f) {
     const int face = static_cast<int>(f);
